@@ -17,34 +17,14 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <string>
 
 #include "../bed.hpp"
+#include "bed_files.hpp"
 
 namespace {
 
 using namespace bench;
-
-silt::Particles<silt::Sphere> read(const std::string& path) {
-  std::ifstream in(path);
-  silt::require(in.good(), "cannot read ", path);
-  silt::Particles<silt::Sphere> spheres;
-  for (std::string line; std::getline(in, line) && line != "Atoms";) {
-  }
-  double id, type, diameter, density, x, y, z;
-  while (in >> id >> type >> diameter >> density >> x >> y >> z)
-    spheres.add({.position = {x, y, z}, .radius = diameter / 2, .density = density});
-  in.clear();
-  for (std::string line; std::getline(in, line) && line != "Velocities";) {
-  }
-  silt::Vec3d v, w;
-  while (in >> id >> v.x >> v.y >> v.z >> w.x >> w.y >> w.z) {
-    auto& sphere = spheres[static_cast<std::size_t>(id) - 1];
-    sphere.velocity = v, sphere.angular_velocity = w;
-  }
-  return spheres;
-}
 
 void measure(const std::string& file) {
   const auto spheres = read(file);
@@ -66,31 +46,6 @@ void measure(const std::string& file) {
               height / n);
 }
 
-/// `room` [m]: of the box above the highest centre; peers lose spheres that leave it.
-template <class Sim>
-void write(const Sim& sim, const std::string& path, double room = 0.02) {
-  const double width = width_for(sim.size());
-  double top = 0;
-  for (std::size_t k = 0; k < sim.rows(); ++k) top = std::max(top, sim.position(k).z);
-  std::string out =
-      silt::text("spheres\n\n", sim.size(), " atoms\n1 atom types\n\n0 ", width, " xlo xhi\n0 ",
-                 width, " ylo yhi\n-0.01 ", top + room, " zlo zhi\n\nAtoms\n\n");
-  for (std::size_t k = 0; k < sim.rows(); ++k) {
-    const auto p = sim.position(k);
-    out += silt::text(k + 1, " 1 ", 2 * sim.radius(k), " 2500 ", p.x, ' ', p.y, ' ', p.z, '\n');
-  }
-  out += "\nVelocities\n\n";
-  for (std::size_t k = 0; k < sim.rows(); ++k) {
-    const auto v = sim.velocity(k), w = sim.angular_velocity(k);
-    out += silt::text(k + 1, ' ', v.x, ' ', v.y, ' ', v.z, ' ', w.x, ' ', w.y, ' ', w.z, '\n');
-  }
-  silt::AtomicFile file(path);
-  file.write(out);
-  file.commit();
-}
-
-const silt::Vec3d tilted{9.81 * std::sqrt(0.5), 0, -9.81 * std::sqrt(0.5)};  // [m/s2]
-
 struct Timed {
   std::string file;
   double warmup, steps;
@@ -111,7 +66,7 @@ void time(const Timed& of, Precision precision) {
   std::printf("seconds %.6g kinetic_energy %.6g contacts %zu overlap %.4g megabytes %.4g\n",
               seconds, kinetic_energy(sim), sim.touching_pairs(), sim.largest_overlap(),
               static_cast<double>(sim.engine().bytes()) / 1e6);
-  write(sim, of.end);
+  write(states_of(sim), of.end);
 }
 
 int main_with(int argc, char** argv) {
@@ -119,14 +74,14 @@ int main_with(int argc, char** argv) {
   if (mode == "settle" && argc == 5) {
     auto sim = bed(lattice(std::stoul(argv[2])), silt::default_threads(), silt::Double{});
     sim.run(std::stod(argv[3]) * time_step);
-    write(sim, argv[4]);
+    write(states_of(sim), argv[4]);
     return 0;
   }
   if (mode == "flow" && argc == 5) {
     auto sim = bed(read(argv[2]), silt::default_threads(), silt::Double{});
     sim.gravity = tilted;
     sim.run(std::stod(argv[3]) * time_step);
-    write(sim, argv[4], 0.1);
+    write(states_of(sim), argv[4], 0.1);
     return 0;
   }
   const std::string gravity = argc == 9 ? argv[8] : "";

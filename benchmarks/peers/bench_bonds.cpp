@@ -28,12 +28,10 @@ int main(int argc, char** argv) {
   // Yade's bond of two equal spheres has k_n = E R; this one E_b pi R/2.
   silt::Simulation sim{
       std::move(spheres),
-      silt::Contacts<silt::HertzMindlin>{{.youngs_modulus = modulus,
-                                          .poisson_ratio = 0.4,
-                                          .restitution = 0.5,
-                                          .friction = 0.5}},
-      silt::Bonds{silt::ParallelBond{.youngs_modulus = 2 * modulus / std::numbers::pi,
-                                     .damping = 0}}};
+      silt::Contacts<silt::HertzMindlin>{
+          {.youngs_modulus = modulus, .poisson_ratio = 0.4, .restitution = 0.5, .friction = 0.5}},
+      silt::Bonds{
+          silt::ParallelBond{.youngs_modulus = 2 * modulus / std::numbers::pi, .damping = 0}}};
   silt::bond_near(sim, 0.01 * radius);
   sim.time_step = step, sim.threads = 1;
   const double start = sim.kinetic_energy();

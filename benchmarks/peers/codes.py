@@ -68,6 +68,11 @@ def version_of(path):
     return version
 
 
+def on_processes(number):
+    """The words before a program that start it on so many, each on a core of its own."""
+    return ["mpirun", "-np", str(number), "--bind-to", "core"]
+
+
 def run_deck(program, deck, folder, cores=1, **values):
     """Runs a deck of LAMMPS or LIGGGHTS: a run to warm up, then the one that is timed, and what it
     writes to files called {end}... afterwards. Returns seconds, kinetic energy [J] and the last such
@@ -81,7 +86,7 @@ def run_deck(program, deck, folder, cores=1, **values):
             os.remove(os.path.join(folder, old))
     command = [program, "-in", path, "-log", "none"]
     if cores > 1:
-        command = ["mpirun", "-np", str(cores), "--bind-to", "core"] + command
+        command = on_processes(cores) + command
     out = run(command, folder)
     loops = [(m.start(), float(m[1])) for m in re.finditer(r"Loop time of ([0-9.eE+-]+)", out)]
     ends = sorted(file for file in os.listdir(folder) if file.startswith(name + ".end"))

@@ -14,6 +14,10 @@ each code ends in, measured by one program for all. A table, a plot and summary.
 --out; checks: all codes have done the same work (no sphere lost; contacts, overlaps, heights and
 energies alike).
 
+With --cores 2 the peers run on two processes, each alone with and without its balancing (LAMMPS' `fix
+balance` by recursive bisection, LIGGGHTS' by shifted planes), whichever is faster; silt on two threads,
+and, with --silt-ranks, on two processes of one thread.
+
 Debian's LAMMPS and LIGGGHTS are compiled for any machine of their kind. ./run peers-native compiles
 both for this one; what it has left in build/peers is timed as further rows.
 """
@@ -41,6 +45,7 @@ neighbor {{skin}} bin
 neigh_modify delay 0 every 1 check yes
 pair_style granular
 pair_coeff * * {LAW}
+{{balance}}
 fix x1 all wall/gran granular {LAW} xplane 0.0 {{width}}
 fix y1 all wall/gran granular {LAW} yplane 0.0 {{width}}
 fix z1 all wall/gran granular {LAW} zplane 0.0 NULL
@@ -72,6 +77,7 @@ fix m3 all property/global coefficientRestitution peratomtypepair 1 0.5
 fix m4 all property/global coefficientFriction peratomtypepair 1 0.4
 pair_style gran model hertz tangential history
 pair_coeff * *
+{balance}
 fix x1 all wall/gran model hertz tangential history primitive type 1 xplane 0.0
 fix x2 all wall/gran model hertz tangential history primitive type 1 xplane {width}
 fix y1 all wall/gran model hertz tangential history primitive type 1 yplane 0.0
@@ -88,11 +94,15 @@ run {steps}
 write_dump all custom {end} id x y z radius
 """
 
+# Every 500 steps, where a process has 2 % more spheres than the mean.
+BALANCE = {LAMMPS: "comm_style tiled\nfix b all balance 500 1.02 rcb",
+           LIGGGHTS: "fix b all balance 500 x 10 1.02"}
 
-def run_silt(program, cores, precision, folder, data, warmup, steps, tilt):
+
+def run_silt(program, cores, precision, folder, data, warmup, steps, tilt, ranks=False):
     end = os.path.join(folder, "silt.end")
     values = codes.values_of(codes.run(
-        [program, "time", data, str(warmup), str(steps), str(cores), precision, end, tilt], folder))
+        (codes.on_processes(cores) if ranks else []) + [program, "time", data, str(warmup), str(steps), str(cores), precision, end, tilt], folder))
     return values["seconds"], values["kinetic_energy"], end
 
 
@@ -155,7 +165,8 @@ def plot(results, path):
     cores = sorted({r["cores"] for r in results})
     colour = {"LAMMPS, Debian": "#8a8a8a", "LIGGGHTS, Debian": "#b9a26c", "LAMMPS, native": "#4d4d4d",
               "LIGGGHTS, native": "#7a6420", "silt double": "#1f6fb2", "silt mixed": "#c1440e",
-              "silt double, AVX2": "#78aede", "silt mixed, AVX2": "#e59b7d"}
+              "silt double, AVX2": "#78aede", "silt mixed, AVX2": "#e59b7d",
+              "silt double, ranks": "#17476f", "silt mixed, ranks": "#7d2b0a"}
     fig, axes = plt.subplots(1, len(states), figsize=(5.2 * len(states), 4), squeeze=False)
     for ax, state in zip(axes[0], states):
         for name in colour:
@@ -220,14 +231,22 @@ def run_scene(a, folder, peers, silts, n, state, cores):
     for name, program, deck in peers:
         values = dict(width=0.15 * max(1.0, n / 50000) ** 0.5, cores=cores, gravity=gravity, **common)
         skin, tried = codes.fastest(a.skins, lambda one: codes.run_deck(
-            program, deck, folder, skin=one * 1e-3, **values)[0])
-        skins[name] = {"mm": skin, "seconds": {f"{k:g}": v for k, v in tried.items()}}
-        runs[name] = timed(silt, codes.run_deck, program, deck, folder, skin=skin * 1e-3, **values)
+            program, deck, folder, skin=one * 1e-3, balance="", **values)[0])
+        values["skin"] = skin * 1e-3
+        balance, _ = codes.fastest(["", BALANCE[deck]] if cores > 1 else [""], lambda one: codes.run_deck(
+            program, deck, folder, balance=one, **values)[0])
+        skins[name] = {"mm": skin, "seconds": {f"{k:g}": v for k, v in tried.items()},
+                       "balanced": balance != ""}
+        runs[name] = timed(silt, codes.run_deck, program, deck, folder, balance=balance, **values)
     for label, program in silts:
         for precision in ("double", "mixed"):
             runs[f"silt {precision}{label}"] = timed(
                 silt, run_silt, program, cores, precision, folder,
                 tilt="tilted" if state == "flowing" else "level", **common)
+            if a.silt_ranks and label == "" and cores > 1:
+                runs[f"silt {precision}, ranks"] = timed(
+                    silt, run_silt, a.silt_ranks, cores, precision, folder, ranks=True,
+                    tilt="tilted" if state == "flowing" else "level", **common)
     times, ends = codes.interleaved(runs, a.repeat)
     return steps, codes.speeds(times, n * steps), ends, skins
 
@@ -237,6 +256,8 @@ def main():
     p.add_argument("--silt", required=True, help="the program bench_bed")
     p.add_argument("--silt-avx2", metavar="PROGRAM",
                    help="bench_bed compiled for AVX2, timed as further rows")
+    p.add_argument("--silt-ranks", metavar="PROGRAM",
+                   help="bench_bed_ranks, timed as further rows where there is more than one core")
     p.add_argument("--repeat", type=in_range(int, 1, 1000), default=5)
     p.add_argument("--cores", type=in_range(int, 1, 4096), nargs="+", default=[1])
     p.add_argument("--states", nargs="+", choices=STATES, default=STATES)
@@ -258,6 +279,8 @@ def main():
         silts.append((", AVX2", codes.program(a.silt_avx2, "--silt-avx2")))
     if max(a.cores) > 1:
         codes.program("mpirun")
+    if a.silt_ranks:
+        a.silt_ranks = codes.program(a.silt_ranks, "--silt-ranks")
     peers = [("LAMMPS, Debian", codes.program("lmp"), LAMMPS),
              ("LIGGGHTS, Debian", codes.program("liggghts"), LIGGGHTS)]
     for name, program, deck in (("LAMMPS, native", "lmp", LAMMPS),
@@ -288,7 +311,8 @@ def main():
                         f"  {name:18s}{s.text():>9s}  {s.spread()}".ljust(47)
                         + f"{s.over(best):>9s}  {e['kinetic_energy_j']:12.4g} J  "
                         f"{e['coordination']:17.4f}  {e['mean_overlap_over_d']:14.5f}  "
-                        + (f"{skins[name]['mm']:g} mm" if name in skins else "its own"))
+                        + (f"{skins[name]['mm']:g} mm" + ", balanced" * skins[name]["balanced"]
+                           if name in skins else "its own"))
                 print("\n".join(lines) + "\n", flush=True)
                 table += lines + [""]
                 check(summary, scene, n, ends)

@@ -164,23 +164,25 @@ int main(int argc, char** argv) {
   bool real = false, do_scan = false, is_wet = false;
   std::size_t seeds = 2;
   command.add("--case", s.name, {"300", "400", "500"}, "Outer diameter of the drum [mm]");
-  command.add("--length", length, 50, 300, "Of the drum [mm], which the paper does not give");
+  command.add("--length", length, 50, 300,
+              "Length of the drum [mm], which the paper does not give");
   command.add_flag("--periodic", s.periodic, "No end walls: the drum repeats after its length");
-  command.add("--restitution", s.restitution, 0.05, 1, "Of all contacts [-]");
-  command.add("--friction", s.friction, 0, 2, "Of all contacts [-]");
+  command.add("--restitution", s.restitution, 0.05, 1, "Restitution of all contacts [-]");
+  command.add("--friction", s.friction, 0, 2, "Friction of all contacts [-]");
   command.add_flag("--real", real, "Young's modulus of steel, 2.1e11 Pa, instead of 1e8 Pa");
-  command.add("--turns", s.turns, 0.2, 100, "Of the drum while it is filmed");
-  command.add("--before", s.before, 0.1, 100, "Turns before that");
-  command.add("--seed", s.seed, 1, 1000000, "Of the places where balls are put in");
-  command.add_flag("--scan", do_scan, "The three drums over restitution and friction");
-  command.add("--seeds", seeds, 1, 100, "Of the scan");
+  command.add("--turns", s.turns, 0.2, 100, "Turns of the drum that are recorded");
+  command.add("--before", s.before, 0.1, 100, "Turns of the drum before the recording");
+  command.add("--seed", s.seed, 1, 1000000, "Seed of the initial positions of the balls");
+  command.add_flag("--scan", do_scan, "Run the three drums over restitution and friction");
+  command.add("--seeds", seeds, 1, 100, "Number of seeds of the scan");
   command.add_flag("--wet", is_wet,
                    "With slurry between the balls, by SPH; limits: docs/ball_mill.md");
-  command.add("--spacing", spacing, 2, 11, "Of the slurry's particles [mm]");
+  command.add("--spacing", spacing, 2, 11, "Spacing of the slurry's particles [mm]");
   command.add("--seconds", seconds, 0.02, 100,
-              "Of the wet run [s]; the last two thirds are measured");
-  command.add("--sound", slurry.sound, 5, 100, "Its speed of sound [m/s], ten times its fastest");
-  command.add("--alpha", slurry.alpha, 0, 1, "Its artificial viscosity");
+              "Duration of the wet run [s]; the last two thirds are measured");
+  command.add("--sound", slurry.sound, 5, 100,
+              "Speed of sound of the slurry [m/s], ten times its largest speed");
+  command.add("--alpha", slurry.alpha, 0, 1, "Artificial viscosity alpha of the slurry");
   command.add("--smoothing", slurry.smoothing, 0.7, 2, "Smoothing length over sqrt(3) spacings");
   return command.run(argc, argv, [&] {
     const auto& options = command.options;

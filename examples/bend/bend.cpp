@@ -460,14 +460,16 @@ int main(int argc, char** argv) {
                            example::Kind::Run, "out/bend");
   Scene scene;
   command.leave_out("--restart");
-  command.add("--case", scene.kind, {"hv", "vh", "hh"},
-              "From horizontal to vertical, vertical to horizontal, or horizontal to horizontal");
+  command.add(
+      "--case", scene.kind, {"hv", "vh", "hh"},
+      "Bend from horizontal to vertical, vertical to horizontal, or horizontal to horizontal");
   command.add("--closure", scene.closure, {"mixing-length", "k-epsilon"},
-              "Of the gas's turbulence");
-  command.add("--cells", scene.cells, 5, 20, "Of the gas, a diameter");
+              "Turbulence closure of the gas");
+  command.add("--cells", scene.cells, 5, 20, "Cells of the gas per diameter");
   command.add("--duration", scene.duration, 0.05, 10,
-              "Seconds; the last three fifths are measured");
-  command.add_flag("--full", scene.full, "Pipes of 0.5 and 1 m, 3 s, 12 cells, as published");
+              "Duration [s]; the last three fifths are measured");
+  command.add_flag("--full", scene.full,
+                   "Pipes of 0.5 and 1 m, 3 s, 12 cells per diameter, as published");
   return command.run(argc, argv, [&] {
     if (scene.full) {
       scene.inlet = 0.5, scene.outlet = 1;

@@ -101,9 +101,9 @@ int main(int argc, char** argv) {
   }
   example::Command command(entry->about, example::Kind::Cases);
   Wishes wishes;
-  command.add("--budget", wishes.budget, 1, 100000, "Runs of the scene at most");
-  command.add("--repeats", wishes.repeats, 1, 1000, "Runs with the same parameters");
-  command.add("--seed", wishes.seed, 1, 1000000, "Of the design and the scenes");
+  command.add("--budget", wishes.budget, 1, 100000, "Largest number of runs of the scene");
+  command.add("--repeats", wishes.repeats, 1, 1000, "Number of runs with the same parameters");
+  command.add("--seed", wishes.seed, 1, 1000000, "Seed of the design and the scenes");
   command.options.out.clear();
   return command.run(argc - 1, argv + 1, [&] {
     if (!command.given("--out"))

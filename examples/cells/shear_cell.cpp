@@ -82,10 +82,11 @@ int main(int argc, char** argv) {
                            example::Kind::Cases, "out/shear_cell");
   cells::Sample s;
   double strain = 2;
-  command.add("--spheres", s.spheres, 200, 1e6, "number of spheres");
-  command.add("--friction", s.friction, 0.01, 10, "between particles [-]");
-  command.add("--pressure", s.pressure, 1, 1e9, "normal stress [Pa]");
-  command.add("--strain", strain, 0.1, 100, "sheared before measuring, and while [-]");
+  command.add("--spheres", s.spheres, 200, 1e6, "Number of spheres");
+  command.add("--friction", s.friction, 0.01, 10, "Friction between particles [-]");
+  command.add("--pressure", s.pressure, 1, 1e9, "Normal stress [Pa]");
+  command.add("--strain", strain, 0.1, 100,
+              "Shear strain before the measurement, and during it [-]");
   return command.run(argc, argv, [&] {
     const auto& options = command.options;
     std::vector<double> numbers{0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3};

@@ -170,11 +170,12 @@ int main(int argc, char** argv) {
       example::Kind::Cases, "out/triaxial");
   cells::Sample s;
   double inertial = 5e-4, strain = 0.4;
-  command.add("--spheres", s.spheres, 200, 1e6, "number of spheres");
-  command.add("--friction", s.friction, 0.01, 10, "between particles [-]");
-  command.add("--pressure", s.pressure, 1, 1e9, "lateral stress [Pa]");
-  command.add("--inertial-number", inertial, 1e-6, 1e-2, "of the axial strain rate [-]");
-  command.add("--strain", strain, 0.05, 1, "axial, at the end [-]");
+  command.add("--spheres", s.spheres, 200, 1e6, "Number of spheres");
+  command.add("--friction", s.friction, 0.01, 10, "Friction between particles [-]");
+  command.add("--pressure", s.pressure, 1, 1e9, "Lateral stress [Pa]");
+  command.add("--inertial-number", inertial, 1e-6, 1e-2,
+              "Inertial number of the axial strain rate [-]");
+  command.add("--strain", strain, 0.05, 1, "Axial strain at the end [-]");
   return command.run(argc, argv, [&] {
     const auto& options = command.options;
     if (options.quick && !command.given("--spheres")) s.spheres = 512;

@@ -181,12 +181,12 @@ int main(int argc, char** argv) {
   example::Command command("Powder that charges on a shaken plate, and sticks to it");
   Scene scene;
   command.leave_out("--restart");
-  command.add("--particles", scene.particles, 50, 20000, "How many grains");
-  command.add("--shaken", scene.shaken, 0.01, 100, "How long the plate is shaken [s]");
+  command.add("--particles", scene.particles, 50, 20000, "Number of grains");
+  command.add("--shaken", scene.shaken, 0.01, 100, "Time for which the plate is shaken [s]");
   command.add("--voltage", scene.voltage, 0.05, 2,
               "Work function of the plate less that of the powder [eV]");
   command.add("--area-factor", scene.area_factor, 1e-3, 100,
-              "Area that charges over that of the contact");
+              "Ratio of the area that charges to the contact area");
   return command.run(argc, argv, [&] {
     if (command.options.quick) {
       if (!command.given("--particles")) scene.particles = 100;

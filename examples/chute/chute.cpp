@@ -222,9 +222,9 @@ int main(int argc, char** argv) {
   example::Command command("Wear of a transfer chute by sliding and impacts");
   Scene scene;
   command.leave_out("--restart");
-  command.add("--batch", scene.batch, 0.5, 1000, "What is fed [kg]");
-  command.add("--rate", scene.rate, 0.1, 5, "How fast [kg/s]");
-  command.add("--friction", scene.friction, 0.1, 0.45, "Of ore on steel [-]");
+  command.add("--batch", scene.batch, 0.5, 1000, "Mass of the batch [kg]");
+  command.add("--rate", scene.rate, 0.1, 5, "Feed rate [kg/s]");
+  command.add("--friction", scene.friction, 0.1, 0.45, "Friction of ore on steel [-]");
   command.add("--steep", scene.steep, 45, 65, "Slope of the plate [degrees]");
   command.add("--facet", scene.facet, 2e-3, 0.02, "Size of the mesh's facets [m]");
   return command.run(argc, argv, [&] {

@@ -307,7 +307,7 @@ int main(int argc, char** argv) {
   example::Command command("A transfer of ore between two conveyor belts, by a hinged plate");
   Scene scene;
   command.leave_out("--restart");
-  command.add("--rate", scene.rate, 0.1, 20, "Feed [kg/s]");
+  command.add("--rate", scene.rate, 0.1, 20, "Feed rate [kg/s]");
   command.add("--upper", scene.upper, 0.2, 3, "Speed of the upper belt [m/s]");
   command.add("--lower", scene.lower, 0.2, 3, "Speed of the lower belt [m/s]");
   command.add("--plate", scene.plate_mass, 0.2, 50, "Mass of the hinged plate [kg]");

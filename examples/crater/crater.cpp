@@ -6,12 +6,15 @@
 // goes on with gravity tilted, which gives the angle of repose that the law of the depths needs.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <map>
 #include <string>
 #include <vector>
+
+#include <silt/eigen.hpp>
 
 #include "crater/scene.hpp"
 #include "support/example.hpp"
@@ -234,14 +237,16 @@ Outcome fall(const Scene& s, const Bed& bed, const Drop& drop, bool last,
 }
 
 /// What all drops say together: ln(depth/D) = c + n ln(H/D) + b ln(density of ball over bed).
-crater::Fit<3> fit_depths(const Scene& s, const Bed& bed, const std::vector<Outcome>& all) {
-  std::vector<std::array<double, 3>> x;
-  std::vector<double> y;
-  for (const Outcome& o : all) {
-    x.push_back({1, std::log(o.total / s.body()), std::log(o.drop.density / bed.density())});
-    y.push_back(std::log(o.depth / s.body()));
+silt::LinearFit fit_depths(const Scene& s, const Bed& bed, const std::vector<Outcome>& all) {
+  const auto n = static_cast<Eigen::Index>(all.size());
+  Eigen::MatrixXd x(n, 3);
+  Eigen::VectorXd y(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Outcome& o = all[static_cast<std::size_t>(k)];
+    x.row(k) << 1, std::log(o.total / s.body()), std::log(o.drop.density / bed.density());
+    y[k] = std::log(o.depth / s.body());
   }
-  return {x, y};
+  return silt::fit_linear(x, y);
 }
 
 /// The force law of Katsuragi and Durian, F/m = v^2/d1 + k z, fitted to the way down of all drops
@@ -250,13 +255,15 @@ struct ForceLaw {
   double density, d1, d1_error, k, k_error;  // [kg/m3], [m] and its standard error, [1/s2]
 
   ForceLaw(double of, const std::vector<Outcome>& all) : density(of) {
-    std::vector<std::array<double, 2>> x;
-    std::vector<double> y;
+    std::vector<Eigen::Vector3d> points;  // v^2, z, F/m
     for (const Outcome& o : all)
       for (const Sample& p : o.samples)
         if (o.drop.density == of && p.depth > 0 && p.speed > 0.05 * o.drop.speed())
-          x.push_back({p.speed * p.speed, p.depth}), y.push_back(p.force / o.mass);
-    const crater::Fit<2> fit(x, y);
+          points.emplace_back(p.speed * p.speed, p.depth, p.force / o.mass);
+    Eigen::MatrixXd rows(static_cast<Eigen::Index>(points.size()), 3);
+    for (std::size_t k = 0; k < points.size(); ++k)
+      rows.row(static_cast<Eigen::Index>(k)) = points[k];
+    const silt::LinearFit fit = silt::fit_linear(rows.leftCols(2), rows.col(2));
     d1 = 1 / fit.value[0], d1_error = d1 * fit.error[0] / fit.value[0];
     k = fit.value[1], k_error = fit.error[1];
   }
@@ -270,7 +277,7 @@ struct ForceLaw {
 };
 
 void write_depths(const std::string& path, const Scene& s, const Bed& bed, double mu,
-                  const crater::Fit<3>& fit, const std::vector<ForceLaw>& laws,
+                  const silt::LinearFit& fit, const std::vector<ForceLaw>& laws,
                   const std::vector<Outcome>& all) {
   silt::CsvTable table(path, {"density [kg/m3]", "free fall [m]", "total fall [m]", "depth [m]",
                               "by Uehara et al. [m]", "by the fit [m]", "by the force law [m]",
@@ -306,7 +313,7 @@ void report_drops(example::Summary& summary, const Scene& s, const Bed& bed, dou
 /// Depths. Other laws of force would give other powers: of the height 1 (a constant force) or 1/2
 /// (one that grows with depth alone), of the density 1 (inertia alone).
 void check_depths(example::Summary& summary, const Scene& s, const Bed& bed, double mu,
-                  const crater::Fit<3>& fit, std::vector<Outcome> all, bool quick) {
+                  const silt::LinearFit& fit, std::vector<Outcome> all, bool quick) {
   double sum = 0;
   for (const Outcome& o : all) {
     const double fall = o.total / s.body(), over = o.drop.density / bed.density();
@@ -429,11 +436,11 @@ int main(int argc, char** argv) {
   example::Command command("A ball of metal falls onto a bed of grains and stops in it",
                            example::Kind::Cases, "out/crater");
   Scene scene;
-  command.add("--diameter", scene.diameter, 2, 30, "Of the ball, in grains");
-  command.add("--wide", scene.wide, 2, 20, "Diameter of the pot, in balls");
-  command.add("--deep", scene.deep, 2, 10, "Depth of the bed, in balls");
-  command.add("--seed", scene.seed, 1, 1000000, "Of the bed: which packing");
-  command.add("--friction", scene.friction, 0.05, 2, "Between grains");
+  command.add("--diameter", scene.diameter, 2, 30, "Diameter of the ball, in grain diameters");
+  command.add("--wide", scene.wide, 2, 20, "Diameter of the pot, in ball diameters");
+  command.add("--deep", scene.deep, 2, 10, "Depth of the bed, in ball diameters");
+  command.add("--seed", scene.seed, 1, 1000000, "Seed of the packing of the bed");
+  command.add("--friction", scene.friction, 0.05, 2, "Friction between grains [-]");
   return command.run(argc, argv, [&] {
     if (command.options.quick) {
       if (!command.given("--diameter")) scene.diameter = 5;

@@ -5,7 +5,6 @@
 // is; fits of the laws of depth and force.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -155,43 +154,6 @@ class Surface {
   const Scene& scene_;
   std::vector<Grain> grains_;
   double level_ = 0, fraction_ = 0;
-};
-
-/// Least squares of y = sum of c_k x_k, and the standard error of each c_k.
-template <std::size_t N>
-struct Fit {
-  std::array<double, N> value{}, error{};
-  double scatter = 0;  // standard deviation about the fit
-
-  Fit(const std::vector<std::array<double, N>>& x, const std::vector<double>& y) {
-    std::array<std::array<double, 2 * N>, N> a{};  // normal equations beside the unit matrix
-    std::array<double, N> b{};
-    for (std::size_t i = 0; i < N; ++i) a[i][N + i] = 1;
-    for (std::size_t k = 0; k < y.size(); ++k)
-      for (std::size_t i = 0; i < N; ++i) {
-        b[i] += x[k][i] * y[k];
-        for (std::size_t j = 0; j < N; ++j) a[i][j] += x[k][i] * x[k][j];
-      }
-    for (std::size_t i = 0; i < N; ++i) {  // positive definite: no pivots are needed
-      const double pivot = a[i][i];
-      for (double& v : a[i]) v /= pivot;
-      for (std::size_t r = 0; r < N; ++r) {
-        if (r == i) continue;
-        const double factor = a[r][i];
-        for (std::size_t j = 0; j < 2 * N; ++j) a[r][j] -= factor * a[i][j];
-      }
-    }
-    for (std::size_t i = 0; i < N; ++i)
-      for (std::size_t j = 0; j < N; ++j) value[i] += a[i][N + j] * b[j];
-    double squares = 0;
-    for (std::size_t k = 0; k < y.size(); ++k) {
-      double off = y[k];
-      for (std::size_t i = 0; i < N; ++i) off -= value[i] * x[k][i];
-      squares += off * off;
-    }
-    scatter = std::sqrt(squares / static_cast<double>(y.size() > N ? y.size() - N : 1));
-    for (std::size_t i = 0; i < N; ++i) error[i] = scatter * std::sqrt(a[i][N + i]);
-  }
 };
 
 }  // namespace crater

@@ -265,13 +265,14 @@ int main(int argc, char** argv) {
                            example::Kind::Cases, "out/dam_break");
   Scene scene;
   command.add("--spacing", scene.spacing, 0.5, 14.6,
-              "Of particles [mm]; the column is 146 mm wide");
-  command.add("--sound", scene.sound, 5, 100, "Speed of sound over that of a fall from the column");
-  command.add("--alpha", scene.alpha, 0, 1, "Artificial viscosity");
-  command.add("--end", scene.end, 3.4, 5.2, "Time t sqrt(2 g/a) at which it ends");
-  command.add_flag("--sticking", scene.sticking, "The liquid sticks to floor and walls");
+              "Spacing of the particles [mm]; the column is 146 mm wide");
+  command.add("--sound", scene.sound, 5, 100,
+              "Speed of sound over the speed of a fall from the top of the column");
+  command.add("--alpha", scene.alpha, 0, 1, "Artificial viscosity alpha");
+  command.add("--end", scene.end, 3.4, 5.2, "Time t sqrt(2 g/a) at which the run ends");
+  command.add_flag("--sticking", scene.sticking, "No-slip condition at floor and walls");
   command.add_flag("--three-dimensional", scene.three_dimensional,
-                   "In space: a channel that repeats after a width");
+                   "In 3D: a channel that is periodic across its width");
   return command.run(argc, argv, [&] {
     if (!command.given("--spacing") && (command.options.quick || scene.three_dimensional))
       scene.spacing = command.options.quick && scene.three_dimensional ? 14.6 : 7.3;

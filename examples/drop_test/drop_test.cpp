@@ -376,11 +376,12 @@ int main(int argc, char** argv) {
   example::Command command("Grains thrown against a plate of steel: how many break, into what",
                            example::Kind::Cases, "out/drop_test");
   Scene scene;
-  command.add("--grains", scene.grains, 50, 1000000, "Of each size at each speed");
-  command.add("--speeds", scene.speeds, 2, 100, "For each size");
-  command.add("--again", scene.again, 2, 1000, "Impacts at most of the same grain");
-  command.add("--restitution", scene.restitution, 0.05, 1, "Of the grains on the plate");
-  command.add("--seed", scene.seed, 1, 1000000, "Of strengths and fragments");
+  command.add("--grains", scene.grains, 50, 1000000, "Number of grains of each size at each speed");
+  command.add("--speeds", scene.speeds, 2, 100, "Number of speeds for each size");
+  command.add("--again", scene.again, 2, 1000, "Largest number of impacts of the same grain");
+  command.add("--restitution", scene.restitution, 0.05, 1,
+              "Restitution of the grains on the plate [-]");
+  command.add("--seed", scene.seed, 1, 1000000, "Seed of strengths and fragments");
   return command.run(argc, argv, [&] {
     if (command.options.quick) {
       if (!command.given("--grains")) scene.grains = 400;

@@ -260,11 +260,12 @@ int main(int argc, char** argv) {
   example::Command command("Spheres, super-ellipsoids and polyhedra in a rotating drum");
   Scene scene;
   command.leave_out("--restart");
-  command.add("--particles", scene.particles, 30, 1200, "How many, of all shapes together");
-  command.add("--rpm", scene.rpm, 1, 100, "Turns of the drum a minute");
+  command.add("--particles", scene.particles, 30, 1200,
+              "Number of particles, of all shapes together");
+  command.add("--rpm", scene.rpm, 1, 100, "Turns of the drum per minute");
   command.add("--turns", scene.turns, 1, 100, "Turns of the drum; the last is measured");
   command.add("--shapes", scene.shapes, {"mix", "spheres", "super-ellipsoids", "cubes"},
-              "Of which the grains are");
+              "Shapes of the grains");
   return command.run(argc, argv, [&] {
     if (command.options.quick) {
       if (!command.given("--particles")) scene.particles = 150;

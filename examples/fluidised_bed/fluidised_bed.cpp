@@ -28,6 +28,7 @@
 #include <silt/coupling/drag/laws.hpp>
 #include <silt/coupling/drag/oriented.hpp>
 #include <silt/coupling/formulas.hpp>
+#include <silt/eigen.hpp>
 #include <silt/io/flow_observers.hpp>
 #include <silt/shape/super_ellipsoid.hpp>
 #include <silt/silt.hpp>
@@ -347,11 +348,15 @@ double write_heights(const std::string& path, const silt::FlowMean& mean, const 
 
 /// Where p = a U + b U^2 through points (least squares) reaches `level`.
 double crossing(const std::vector<std::array<double, 2>>& points, double level) {
-  double uu = 0, uuu = 0, u4 = 0, up = 0, uup = 0;
-  for (const auto& [u, p] : points)
-    uu += u * u, uuu += u * u * u, u4 += u * u * u * u, up += u * p, uup += u * u * p;
-  const double det = uu * u4 - uuu * uuu;
-  const double a = (up * u4 - uup * uuu) / det, b = (uu * uup - uuu * up) / det;
+  Eigen::MatrixXd u(static_cast<Eigen::Index>(points.size()), 2);
+  Eigen::VectorXd p(u.rows());
+  for (Eigen::Index k = 0; k < u.rows(); ++k) {
+    const auto& [speed, drop] = points[static_cast<std::size_t>(k)];
+    u.row(k) << speed, speed * speed;
+    p[k] = drop;
+  }
+  const Eigen::VectorXd value = silt::fit_linear(u, p).value;
+  const double a = value[0], b = value[1];
   return 2 * level / (a + std::sqrt(a * a + 4 * b * level));
 }
 
@@ -616,21 +621,21 @@ int main(int argc, char** argv) {
   fluidised::Scene scene;
   bool hot = false;
   command.leave_out("--restart");
-  command.add("--particles", scene.particles, 1000, 100000, "How many");
+  command.add("--particles", scene.particles, 1000, 100000, "Number of particles");
   command.add("--shape", scene.shape, {"sphere", "ellipsoid"},
-              "Spheres, or ellipsoids of their volume, half as long again as thick");
+              "Spheres, or ellipsoids of the same volume, 1.5 times as long as thick");
   command.add(
       "--drag", scene.drag, {"gidaspow", "syamlal", "own"},
-      "Of spheres: Gidaspow's law, that of Syamlal and O'Brien calibrated, or drag.hpp's own");
+      "Drag law of spheres: Gidaspow, Syamlal and O'Brien (calibrated), or the one of drag.hpp");
   command.add("--bubbling", scene.bubbling, 1.2, 5,
-              "Gas velocity of the bubbling bed, in minimum fluidisation velocities");
+              "Gas velocity of the bubbling bed over the minimum fluidisation velocity");
   command.add("--step", scene.step, 0.02, 0.25, "Step of the gas velocity [m/s]");
-  command.add("--blowing", scene.blowing, 0.1, 20, "How long the bed bubbles [s]");
+  command.add("--blowing", scene.blowing, 0.1, 20, "Time for which the bed bubbles [s]");
   command.add_flag("--hot", hot, "Hot gas through the cold bubbling bed: temperatures over time");
   command.add("--gas", scene.hot_gas, 300, 600,
               "With --hot: temperature of the gas [K]; grains begin at 300 K");
   command.add("--heat-capacity", scene.grain_capacity, 1, 2000,
-              "With --hot: of the grains [J/(kg K)]");
+              "With --hot: heat capacity of the grains [J/(kg K)]");
   return command.run(argc, argv, [&] {
     silt::require(!hot || scene.shape == "sphere",
                   "--hot is for spheres; leave --shape ellipsoid out");

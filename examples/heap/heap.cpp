@@ -318,11 +318,11 @@ int main(int argc, char** argv) {
   example::Command command("A column of grains collapses to a heap; its angle of repose");
   Scene scene;
   command.leave_out("--restart");
-  command.add("--particles", scene.particles, 50, 1000, "How many");
+  command.add("--particles", scene.particles, 50, 1000, "Number of grains");
   command.add("--shapes", scene.shapes,
               {"cubes", "spheres", "rough-spheres", "super-ellipsoids", "multi-spheres", "mix"},
-              "Of which the grains are; rough-spheres resist rolling");
-  command.add("--rolling-friction", scene.rolling, 0, 2, "Of rough-spheres");
+              "Shapes of the grains; rough-spheres resist rolling");
+  command.add("--rolling-friction", scene.rolling, 0, 2, "Rolling friction of rough-spheres [-]");
   return command.run(argc, argv, [&] {
     if (command.options.quick) {
       if (!command.given("--particles")) scene.particles = 120;

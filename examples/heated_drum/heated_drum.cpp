@@ -139,13 +139,13 @@ int simulate(const Scene& s, const example::Options& options) {
   // Nothing flows through contacts that are left out.
   summary.check_at_least("mean_rise_k", end.mean - s.start, 0.1);
   summary.write(options.out + "/summary.json");
-  const bool drawn =
-      example::draw({"draw", options.out + "/end.vtp", "--colour", "temperature", "--title",
-                     silt::text(s.turns, " turns at ", s.rpm, " rpm"), "--out",
-                     options.out + "/drum.png"}) &&
-      example::draw({"curves", options.out + "/temperatures.csv", "--x", "time", "--y",
-                     "coldest,mean,hottest", "--y-label", "temperature [K]", "--title",
-                     silt::text("Grains in a drum of ", s.wall, " K"), "--out", options.out + "/temperatures.png"});
+  const bool drawn = example::draw({"draw", options.out + "/end.vtp", "--colour", "temperature",
+                                    "--title", silt::text(s.turns, " turns at ", s.rpm, " rpm"),
+                                    "--out", options.out + "/drum.png"}) &&
+                     example::draw({"curves", options.out + "/temperatures.csv", "--x", "time",
+                                    "--y", "coldest,mean,hottest", "--y-label", "temperature [K]",
+                                    "--title", silt::text("Grains in a drum of ", s.wall, " K"),
+                                    "--out", options.out + "/temperatures.png"});
   std::printf("\n%.4g J from the wall; grains at %.2f K on the mean, deviation %.2f K.\n", given,
               end.mean, end.deviation);
   summary.print_checks();
@@ -162,12 +162,13 @@ int main(int argc, char** argv) {
   example::Command command("Cold grains in a rotating drum whose wall is hot");
   Scene scene;
   command.leave_out("--restart");
-  command.add("--particles", scene.particles, 50, 20000, "How many grains");
-  command.add("--rpm", scene.rpm, 1, 100, "Turns of the drum a minute");
+  command.add("--particles", scene.particles, 50, 20000, "Number of grains");
+  command.add("--rpm", scene.rpm, 1, 100, "Turns of the drum per minute");
   command.add("--turns", scene.turns, 0.1, 100, "Turns of the drum");
   command.add("--wall", scene.wall, 300, 2000,
               "Temperature of the drum [K]; grains begin at 300 K");
-  command.add("--conductivity", scene.conductivity, 0.01, 1000, "Of the grains [W/(m K)]");
+  command.add("--conductivity", scene.conductivity, 0.01, 1000,
+              "Conductivity of the grains [W/(m K)]");
   command.add("--modulus", scene.modulus, 0, 1000,
               "Young's modulus of the real solid [GPa], for its contact circles; 0: as it is used");
   return command.run(argc, argv, [&] {

@@ -312,14 +312,14 @@ int main(int argc, char** argv) {
   Scene scene;
   bool unsorted = false, mixed = false, round = false;
   double wall_friction = 0.3;
-  command.add("--particles", scene.particles, 1000, 10000000, "How many");
-  command.add("--density", scene.density, 1, 20000, "Of the grains [kg/m3]");
+  command.add("--particles", scene.particles, 1000, 10000000, "Number of spheres");
+  command.add("--density", scene.density, 1, 20000, "Density of the grains [kg/m3]");
   command.add_flag("--flat", scene.flat, "A flat floor around the orifice instead of a funnel");
-  command.add_flag("--mixed", mixed, "The work on pairs of particles in float (silt::Mixed)");
-  command.add_flag("--no-sort", unsorted, "Never bring the particles back into the order of cells");
-  command.add_flag("--silo", round, "Instead, a round silo over a cone: what its walls bear");
+  command.add_flag("--mixed", mixed, "Compute pairs of particles in float (silt::Mixed)");
+  command.add_flag("--no-sort", unsorted, "Never sort the particles in memory");
+  command.add_flag("--silo", round, "Run a round silo over a cone instead: pressure on its walls");
   command.add("--wall-friction", wall_friction, 0.05, 0.5,
-              "With --silo: of grains on the wall [-]");
+              "With --silo: friction of grains on the wall [-]");
   return command.run(argc, argv, [&] {
     for (const char* other :
          {"--restart", "--particles", "--density", "--flat", "--mixed", "--no-sort"})

@@ -171,9 +171,10 @@ int main(int argc, char** argv) {
   command.options.threads = 1;
   Scene scene;
   std::string decomposition = "rcb";
-  command.add("--particles", scene.particles, 1000, 10000000, "How many");
+  command.add("--particles", scene.particles, 1000, 10000000, "Number of spheres");
   command.add("--decomposition", decomposition, {"static", "moving", "bisection", "rcb"},
-              "Slabs across the height that stay or move, or boxes, by silt or by Zoltan");
+              "Slabs across the height, static or moving, or boxes, by silt (bisection) or by "
+              "Zoltan (rcb)");
   command.add_flag("--flat", scene.flat, "A flat floor around the orifice instead of a funnel");
   const int status = command.run(argc, argv, [&] {
     if (!command.given("--threads")) command.options.threads = 1;

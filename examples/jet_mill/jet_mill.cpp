@@ -170,14 +170,14 @@ int main(int argc, char** argv) {
   example::Command command("A spiral jet mill: grains break at its wall and on each other");
   Scene scene;
   command.add("--jets", scene.jets, 20, 200, "Speed of the gas in the nozzles [m/s]");
-  command.add("--rate", scene.rate, 1e-5, 1e-2, "Feed [kg/s]");
-  command.add("--strength", scene.strength, 1e-3, 1e3, "Median, of grains of 0.3 mm [N]");
+  command.add("--rate", scene.rate, 1e-5, 1e-2, "Feed rate [kg/s]");
+  command.add("--strength", scene.strength, 1e-3, 1e3, "Median strength of grains of 0.3 mm [N]");
   double dust = 1e6 * scene.dust, softened = 2e6 * scene.full_radius;
   command.add("--dust", dust, 5, 250, "Diameter below which fragments are dust [um]");
   command.add("--softened", softened, 0, 300, "Diameter below which grains are softened [um]");
-  command.add("--duration", scene.duration, 1e-4, 10, "[s]");
+  command.add("--duration", scene.duration, 1e-4, 10, "Duration [s]");
   bool fine = false;
-  command.add_flag("--fine", fine, "Cells of 0.5 mm in the flow instead of 1 mm");
+  command.add_flag("--fine", fine, "Flow cells of 0.5 mm instead of 1 mm");
   return command.run(argc, argv, [&] {
     if (command.options.quick && !command.given("--duration")) scene.duration = 5e-3;
     if (fine) scene.cell = 0.5e-3;

@@ -292,15 +292,17 @@ int main(int argc, char** argv) {
       "Lacey's index of mixing",
       example::Kind::Cases, "out/mixer");
   Scene s;
-  command.add("--grains", s.grains, 200, 100000, "how many");
-  command.add("--rpm", s.rpm, 10, 120, "of the run at a fixed speed [1/min]");
-  command.add("--turns", s.turns, 1.5, 100, "of it, or their time, before the blades are raised");
-  command.add("--raised", s.pitched, 0.2, 100, "turns of it, or their time, after that");
-  command.add("--friction", s.friction, 0, 2, "between grains [-]");
-  command.add("--wall-friction", s.wall_friction, 0, 2, "on vessel and blades [-]");
+  command.add("--grains", s.grains, 200, 100000, "Number of grains");
+  command.add("--rpm", s.rpm, 10, 120, "Speed of the run at a fixed speed [1/min]");
+  command.add("--turns", s.turns, 1.5, 100,
+              "Turns of that run before the blades are raised; the other run takes the same time");
+  command.add("--raised", s.pitched, 0.2, 100,
+              "Turns of that run after the blades are raised; the other run takes the same time");
+  command.add("--friction", s.friction, 0, 2, "Friction between grains [-]");
+  command.add("--wall-friction", s.wall_friction, 0, 2, "Friction on vessel and blades [-]");
   command.add("--share", s.share, 0.2, 3,
-              "torque of the other run, of the mean at the fixed speed");
-  command.add("--gain", s.gain, 1e-3, 1, "of its servo [-]");
+              "Torque of the other run over the mean torque at the fixed speed");
+  command.add("--gain", s.gain, 1e-3, 1, "Gain of its servo [-]");
   return command.run(argc, argv, [&] {
     const auto& options = command.options;
     if (options.quick) {

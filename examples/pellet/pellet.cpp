@@ -256,10 +256,11 @@ int main(int argc, char** argv) {
   example::Command command("Bonded pellets in a tumbling drum: what breaks off, over its turns");
   Scene scene;
   command.leave_out("--restart");
-  command.add("--pellets", scene.pellets, 1, 24, "How many pellets");
-  command.add("--strength", scene.strength, 0, 1e6, "Of the bonds, mean [kPa]; 0: unbreakable");
+  command.add("--pellets", scene.pellets, 1, 24, "Number of pellets");
+  command.add("--strength", scene.strength, 0, 1e6,
+              "Mean strength of the bonds [kPa]; 0: unbreakable");
   command.add("--scatter", scene.scatter, 0, 50, "Weibull modulus of the strength; 0: none");
-  command.add("--rpm", scene.rpm, 1, 100, "Turns of the drum a minute");
+  command.add("--rpm", scene.rpm, 1, 100, "Turns of the drum per minute");
   command.add("--turns", scene.turns, 0.1, 1000, "Turns of the drum");
   return command.run(argc, argv, [&] {
     if (command.options.quick) {

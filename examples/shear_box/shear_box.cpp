@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include <silt/eigen.hpp>
 #include <silt/files/csv_table.hpp>
 
 #include "shear_box/scene.hpp"
@@ -23,23 +24,6 @@ using shear_box::Scene;
 using silt::Vec3d;
 
 double degrees(double slope) { return std::atan(slope) * 180 / M_PI; }
-
-/// A straight line y = intercept + slope x by least squares, and its standard errors.
-struct Line {
-  double slope = 0, intercept = 0, slope_error = 0, intercept_error = 0;
-  Line(const std::vector<double>& x, const std::vector<double>& y) {
-    const auto n = static_cast<double>(x.size());
-    double sx = 0, sy = 0, sxx = 0, sxy = 0, left = 0;
-    for (std::size_t k = 0; k < x.size(); ++k) sx += x[k] / n, sy += y[k] / n;
-    for (std::size_t k = 0; k < x.size(); ++k)
-      sxx += (x[k] - sx) * (x[k] - sx), sxy += (x[k] - sx) * (y[k] - sy);
-    slope = sxy / sxx, intercept = sy - slope * sx;
-    for (std::size_t k = 0; k < x.size(); ++k) left += std::pow(y[k] - intercept - slope * x[k], 2);
-    const double scatter = n > 2 ? left / (n - 2) : 0;
-    slope_error = std::sqrt(scatter / sxx);
-    intercept_error = std::sqrt(scatter * (1 / n + sx * sx / sxx));
-  }
-};
 
 /// Means over a piece of the way of the lower half.
 struct Point {
@@ -97,7 +81,7 @@ struct Test {
   double dilatancy(std::size_t from, std::size_t to) const {
     std::vector<double> x, y;
     for (std::size_t k = from; k < to; ++k) x.push_back(curve[k].way), y.push_back(curve[k].rise);
-    return Line(x, y).slope;
+    return silt::fit_straight_line(x, y).slope;
   }
   double dilatancy_at_peak() const {
     return dilatancy(peak_at() - half_window, peak_at() + half_window + 1);
@@ -287,10 +271,10 @@ struct Mohr {
     normal.push_back((peak ? t.at_peak(n) : t.residual(n)) / s.area());
     shear.push_back((peak ? t.at_peak(f) : t.residual(f)) / s.area());
   }
-  Line line() const { return {normal, shear}; }
+  silt::StraightLine line() const { return silt::fit_straight_line(normal, shear); }
 };
 
-void report(example::Summary& summary, const std::string& name, const Line& line) {
+void report(example::Summary& summary, const std::string& name, const silt::StraightLine& line) {
   summary.result(name + ": friction angle [deg]", degrees(line.slope));
   summary.result(name + ": its standard error [deg]", degrees(line.slope_error));
   summary.result(name + ": cohesion [kPa]", 1e-3 * line.intercept);
@@ -349,7 +333,7 @@ void check_samples(example::Summary& summary, const Scene& s, const std::vector<
                            1.2);
   }
   const bool is_small = s.grains(true) < 3000;
-  const Line rest = residual.line();
+  const silt::StraightLine rest = residual.line();
   report(summary, "dense, peak", dense.line()), report(summary, "loose, peak", loose.line());
   report(summary, "residual, both samples", rest);
   const double a = degrees(residual_dense.line().slope), b = degrees(residual_loose.line().slope);
@@ -399,13 +383,14 @@ int main(int argc, char** argv) {
       "Direct shear test of a dense and a loose sample of spheres under three normal stresses",
       example::Kind::Cases, "out/shear_box");
   Scene s;
-  command.add("--friction", s.friction, 0.05, 2, "between particles [-]");
-  command.add("--wall-friction", s.wall_friction, 0, 1, "on the sides of the box [-]");
-  command.add("--length", s.length, 10, 200, "of the box, in grain diameters");
-  command.add("--width", s.width, 5, 100, "of the box, in grain diameters");
-  command.add("--height", s.height, 6, 100, "of the sample, in grain diameters");
-  command.add("--travel", s.travel, 1.5, 20, "of the lower half, in grain diameters");
-  command.add("--inertial-number", s.inertial, 1e-5, 5e-2, "at the lowest stress [-]");
+  command.add("--friction", s.friction, 0.05, 2, "Friction between particles [-]");
+  command.add("--wall-friction", s.wall_friction, 0, 1, "Friction on the sides of the box [-]");
+  command.add("--length", s.length, 10, 200, "Length of the box, in grain diameters");
+  command.add("--width", s.width, 5, 100, "Width of the box, in grain diameters");
+  command.add("--height", s.height, 6, 100, "Height of the sample, in grain diameters");
+  command.add("--travel", s.travel, 1.5, 20, "Displacement of the lower half, in grain diameters");
+  command.add("--inertial-number", s.inertial, 1e-5, 5e-2,
+              "Inertial number at the lowest stress [-]");
   return command.run(argc, argv, [&] {
     const auto& options = command.options;
     if (options.quick) {

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <silt/eigen.hpp>
+
 #include "study/decomposition.hpp"
 
 namespace decomposition_study {
@@ -38,29 +40,16 @@ struct Network {
 /// are left out at a second fit: other programs took the caches then.
 inline Costs fit(const std::vector<Timed>& all) {
   const auto solve = [](const std::vector<Timed>& some) {
-    double m[3][4] = {};
-    for (const Timed& t : some) {
-      const double x[3] = {t.pairs, t.owners, t.owners / t.steps};
-      for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) m[i][j] += x[i] * x[j];
-        m[i][3] += x[i] * t.seconds;
-      }
+    Eigen::MatrixXd x(static_cast<Eigen::Index>(some.size()), 3);
+    Eigen::VectorXd seconds(x.rows());
+    double mean = 0;
+    for (Eigen::Index k = 0; k < x.rows(); ++k) {
+      const Timed& t = some[static_cast<std::size_t>(k)];
+      x.row(k) << t.pairs, t.owners, t.owners / t.steps;
+      seconds[k] = t.seconds, mean += t.seconds / static_cast<double>(some.size());
     }
-    for (int i = 0; i < 3; ++i)
-      for (int r = 0; r < 3; ++r)
-        if (r != i) {
-          const double f = m[r][i] / m[i][i];
-          for (int c = i; c < 4; ++c) m[r][c] -= f * m[i][c];
-        }
-    Costs costs{m[0][3] / m[0][0], m[1][3] / m[1][1], m[2][3] / m[2][2], 0, 0};
-    double square = 0, mean = 0;
-    for (const Timed& t : some) {
-      const double left = t.seconds - costs.of(t.pairs, t.owners, 0, t.steps);
-      square += left * left, mean += t.seconds;
-    }
-    const double count = static_cast<double>(some.size());
-    costs.scatter = std::sqrt(square / count) / (mean / count);
-    return costs;
+    const silt::LinearFit fit = silt::fit_linear(x, seconds);
+    return Costs{fit.value[0], fit.value[1], fit.value[2], 0, fit.scatter / mean};
   };
   const Costs rough = solve(all);
   double mean = 0;

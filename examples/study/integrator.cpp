@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include <silt/eigen.hpp>
 #include <silt/files/csv_table.hpp>
 #include <silt/motion/gear.hpp>
 #include <silt/motion/leapfrog.hpp>
@@ -53,12 +54,10 @@ double rebound_error(double steps, double restitution) {
 
 /// Slope of the logarithms by least squares: error ~ steps^-order.
 double order(const std::vector<double>& steps, const std::vector<double>& errors) {
-  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-  for (std::size_t k = 0; k < steps.size(); ++k) {
-    const double a = std::log(steps[k]), b = std::log(errors[k]);
-    n += 1, x += a, y += b, xx += a * a, xy += a * b;
-  }
-  return -(n * xy - x * y) / (n * xx - x * x);
+  std::vector<double> x, y;
+  for (std::size_t k = 0; k < steps.size(); ++k)
+    x.push_back(std::log(steps[k])), y.push_back(std::log(errors[k]));
+  return -silt::fit_straight_line(x, y).slope;
 }
 
 struct Curve {

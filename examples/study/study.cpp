@@ -57,12 +57,12 @@ int main(int argc, char** argv) {
   studies::Setting setting{};
   double microseconds = 1e6 * setting.latency, gigabytes = 1e-9 * setting.bandwidth;
   if (name != "decomposition") {
-    command.add("--repeats", repeats, 1, 1000, "Rounds; a cost is the median of theirs");
+    command.add("--repeats", repeats, 1, 1000, "Number of rounds; the cost is their median");
   } else {  // one run, in which nothing is repeated
     repeats = 1;
-    command.add("--particles", setting.particles, 1000, 10000000, "How many (100 000)");
-    command.add("--latency", microseconds, 0, 1e6, "Of a message between ranks [us]");
-    command.add("--bandwidth", gigabytes, 1e-6, 1e6, "Between ranks [GB/s]");
+    command.add("--particles", setting.particles, 1000, 10000000, "Number of particles (100 000)");
+    command.add("--latency", microseconds, 0, 1e6, "Latency of a message between ranks [us]");
+    command.add("--bandwidth", gigabytes, 1e-6, 1e6, "Bandwidth between ranks [GB/s]");
   }
   return command.run(argc - 1, argv + 1, [&] {
     if (command.options.quick && name != "decomposition" && !command.given("--repeats"))

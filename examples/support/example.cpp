@@ -31,10 +31,11 @@ Command::Command(const std::string& description, Kind kind, const std::string& d
   app.add_option("--out", options.out, "Folder for results")->capture_default_str();
   app.add_flag("--quick", options.quick, "A smaller run of the same physics, in seconds");
   if (kind == Kind::Study) return;
-  app.add_option("--threads", options.threads, "Threads; results do not depend on it")
+  app.add_option("--threads", options.threads, "Number of threads; results do not depend on it")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
-  if (kind == Kind::Run) app.add_option("--restart", options.restart, "Go on from this checkpoint");
+  if (kind == Kind::Run)
+    app.add_option("--restart", options.restart, "Continue from this checkpoint");
 }
 Command::~Command() = default;
 

@@ -7,36 +7,12 @@
 #include <vector>
 
 #include <silt/contact/formulas.hpp>
+#include <silt/core/eigen.hpp>
 
 namespace verification {
 namespace maw_barber_fawcett_cases {
 
 constexpr double pi = std::numbers::pi;
-
-/// Solves A x = b by Gauss' elimination with row pivots; A is n x n by rows.
-std::vector<double> solved(std::vector<double> A, std::vector<double> b) {
-  const std::size_t n = b.size();
-  for (std::size_t k = 0; k < n; ++k) {
-    std::size_t pivot = k;
-    for (std::size_t i = k + 1; i < n; ++i)
-      if (std::abs(A[i * n + k]) > std::abs(A[pivot * n + k])) pivot = i;
-    if (pivot != k) {
-      std::swap_ranges(&A[k * n], &A[k * n] + n, &A[pivot * n]);
-      std::swap(b[k], b[pivot]);
-    }
-    for (std::size_t i = k + 1; i < n; ++i) {
-      const double share = A[i * n + k] / A[k * n + k];
-      if (share == 0) continue;
-      for (std::size_t j = k; j < n; ++j) A[i * n + j] -= share * A[k * n + j];
-      b[i] -= share * b[k];
-    }
-  }
-  for (std::size_t k = n; k-- > 0;) {
-    for (std::size_t j = k + 1; j < n; ++j) b[k] -= A[k * n + j] * b[j];
-    b[k] /= A[k * n + k];
-  }
-  return b;
-}
 
 /// The contact circle, in units E* = R = m = v_n = mu = 1.
 class Circle {
@@ -106,13 +82,18 @@ class Circle {
     return out;
   }
   std::vector<double> tractions(std::size_t n, double dx, const std::vector<double>& limit) const {
-    std::vector<double> A(n * n), b(n);
+    const auto size = static_cast<Eigen::Index>(n);
+    Eigen::MatrixXd A(size, size);
+    Eigen::VectorXd b(size);
     for (std::size_t j = 0; j < n; ++j) {
       const auto& matrix = state_[j] == 0 ? moves_ : shape_;
-      for (std::size_t i = 0; i < n; ++i) A[j * n + i] = matrix[j * rings_ + i];
-      b[j] = state_[j] == 0 ? u_[j] + dx : state_[j] * limit[j];
+      const auto row = static_cast<Eigen::Index>(j);
+      for (std::size_t i = 0; i < n; ++i)
+        A(row, static_cast<Eigen::Index>(i)) = matrix[j * rings_ + i];
+      b[row] = state_[j] == 0 ? u_[j] + dx : state_[j] * limit[j];
     }
-    return solved(std::move(A), std::move(b));
+    const Eigen::VectorXd q = A.partialPivLu().solve(b);
+    return {q.begin(), q.end()};
   }
   /// Lets slip what is beyond the limit; if there is none, lets stick what slips along its
   /// traction.

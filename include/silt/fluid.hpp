@@ -1,8 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-/// All of silt with fluids: silt/silt.hpp, the flow solver, the modes of coupling, and the forces
-/// between fluid and particles. Scenes without a fluid take silt/silt.hpp, which compiles faster.
+/// All of silt with fluids: silt/silt.hpp, the flow solver, the coupling modes, and the forces
+/// between fluid and particles. Scenes without a fluid include silt/silt.hpp, which compiles
+/// faster.
 #include <silt/coupling/averaging/diffusion.hpp>
 #include <silt/coupling/averaging/kernel.hpp>
 #include <silt/coupling/averaging/two_grid.hpp>

@@ -1,10 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Simulations that are compiled once, in a library, so that a change of a scene compiles in seconds
+// Simulations compiled once, in a library; a change of a scene then compiles in seconds
 // (docs/building.md). CMake's target silt::precompiled has those of the list below and defines
-// SILT_PRECOMPILED, by which silt/silt.hpp includes this header; any other simulation still
-// compiles. For one of your own:
+// SILT_PRECOMPILED, with which silt/silt.hpp includes this header; any other simulation still
+// compiles. For your own simulation:
 //
 //   // my_scene.hpp, included by the scene
 //   #include <silt/precompiled.hpp>
@@ -14,8 +14,8 @@
 //   #include "my_scene.hpp"
 //   SILT_INSTANTIATE_SIMULATION(silt::Particles<silt::Sphere>, silt::Contacts<MyLaw>, silt::Mixed)
 //
-// Policies in any order. Both files with the same compiler flags: another instruction set is
-// another simulation, and the linker says that one is missing.
+// Policies in any order. Compile both files with the same flags: another instruction set is another
+// simulation, and the linker reports it as missing.
 
 #include <utility>
 
@@ -23,14 +23,14 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The type of Simulation{policies...}.
+/// Type of Simulation{policies...}.
 template <class... Policies>
 using SimulationOf = decltype(Simulation(std::declval<Policies>()...));
 
 }  // namespace silt::detail
 
-// What a step and the start of a run are made of: nearly all that a simulation compiles. What
-// depends on the observers of a run is compiled with the scene.
+// Parts of a step and of the start of a run: almost all code of a simulation. Code that depends on
+// the observers of a run is compiled with the scene.
 #define SILT_SIMULATION_PARTS(extern_or_not, ...)                                               \
   namespace silt::inline SILT_TARGET {                                                          \
   extern_or_not template void detail::SimulationOf<__VA_ARGS__>::prepare();                     \
@@ -49,12 +49,12 @@ using SimulationOf = decltype(Simulation(std::declval<Policies>()...));
       Random&);                                                                                 \
   }
 
-/// Says that a simulation of these policies is compiled elsewhere.
+/// Declares that a simulation with these policies is compiled elsewhere.
 #define SILT_DECLARE_SIMULATION(...) SILT_SIMULATION_PARTS(extern, __VA_ARGS__)
 /// Compiles it here.
 #define SILT_INSTANTIATE_SIMULATION(...) SILT_SIMULATION_PARTS(, __VA_ARGS__)
 
-// Those that silt::precompiled has: FOR_EACH(policies...).
+// Simulations in silt::precompiled: FOR_EACH(policies...).
 #define SILT_PRECOMPILED_SPHERES(FOR_EACH)                                            \
   FOR_EACH(silt::Particles<silt::Sphere>, silt::Contacts<silt::HertzMindlin>)         \
   FOR_EACH(silt::Particles<silt::Sphere>, silt::Contacts<silt::LinearSpringFriction>) \

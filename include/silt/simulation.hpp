@@ -41,7 +41,7 @@
 #include <silt/simulation/particle_edits.hpp>
 #include <silt/simulation/particle_readings.hpp>
 #include <silt/simulation/rank_access.hpp>
-#include <silt/simulation/rank_edits.hpp>
+#include <silt/simulation/ranks_scene.hpp>
 #include <silt/simulation/wall_access.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -98,7 +98,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   static constexpr bool has_breakage = Composition::has_breakage;
   static constexpr bool has_ranks = Composition::has_ranks;
   /// Particles are rigid bodies with an orientation, of one part or several.
-  static constexpr bool of_bodies = Composition::has_bodies;
+  static constexpr bool of_bodies = Composition::of_bodies;
   /// ... whose shape is no set of spheres.
   static constexpr bool has_surfaces = Composition::has_surfaces;
   static constexpr bool has_ledger = Composition::has_ledger;
@@ -203,53 +203,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
 
  private:
   template <class... Observers>
-  void run_steps(double duration, Observers&... observers) {
-    require_not_negative("Simulation::run: duration", duration, "s");
-    prepare();
-    const double end = time_ + duration;
-    std::int64_t last = step_ + static_cast<std::int64_t>(std::ceil(duration / dt_ * (1 - 1e-12)));
-    if constexpr (has_events) engine_.events.wanted = (detail::wants_events(observers) || ...);
-    const auto begin = [&] { (detail::begin(observers, *this, end), ...); };
-    if constexpr (has_ranks)
-      this->share_edits("the start of observers", begin);
-    else
-      begin();
-    for (;; ++step_, time_ = time_at(step_)) {
-      const bool stop = step_ >= last;
-      if (!kicked_) {
-        kept_ = std::max({detail::all_contacts_if(stop && keep_contacts),
-                          detail::read_contacts(observers, *this, keep_contacts)...});
-        advance(stop || (detail::is_due(observers, *this) || ...));
-        if constexpr (has_events) detail::tell_of_rank(*this, engine_.events, observers...);
-        if constexpr (has_bonds)
-          if (!bonds_broken_.empty()) detail::tell_of_rank(*this, bonds_broken_, observers...);
-        if constexpr (has_breakage)
-          if (!breaks_.events.empty()) detail::tell_of_rank(*this, breaks_.events, observers...);
-      }
-      if constexpr (has_ranks)
-        engine_.ranks.until_later([&] { (detail::watch(observers, *this), ...); });
-      if (kicked_ && sizeof...(Observers) > 0) {
-        [[maybe_unused]] const bool again = std::exchange(observed_, true);
-        const auto observe = [&] {
-          detail::observe_all(*this, again, observers...);
-          detail::check_given(engine_, gravity, step_, time_);
-        };
-        if constexpr (has_ranks)
-          this->share_edits("observers", observe);
-        else
-          observe();
-        if (scene_changed_) this->check_pairs();
-      }
-      if (stop) break;
-      if constexpr (has_breakage)
-        if (kicked_ && coming_step() != dt_)
-          change_step(coming_step()), engine_.include_speeds(), last = last_step(end);
-      finish_step();
-    }
-    detail::on_all_ranks(*this, "the end of observers",
-                         [&] { (detail::end(observers, *this), ...); });
-    continued_ = false;
-  }
+  void run_steps(double duration, Observers&... observers);
 
  public:
   // --- what observers and users read --------------------------------------------------------
@@ -265,14 +219,6 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   using Readings::size, Readings::rows, Readings::id, Readings::is_present, Readings::position,
       Readings::radius, Readings::mass, Readings::velocity, Readings::angular_velocity,
       Readings::material, Readings::find;
-  /// Pairs of particles that touch [-]; of bodies, of their parts. O(pairs); on many ranks
-  /// collective (RankAccess).
-  std::size_t touching_pairs() const {
-    const std::size_t own = engine_.touching_pairs(domain_);
-    if constexpr (has_ranks)
-      return static_cast<std::size_t>(this->sum_over_ranks(static_cast<double>(own)));
-    return own;
-  }
   /// Where the energy is and where it went; when the simulation is not running, or in an observer
   /// (collective).
   EnergyBalance energy() const { return balance(); }
@@ -287,13 +233,6 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   /// [-] of the radius: in the last step, and the largest since the start.
   double largest_overlap() const { return engine_.largest_overlap; }
   double peak_overlap() const { return peak_overlap_; }
-  /// How many contacts the law's safeguard has ended since the start [-] (Softened).
-  std::uint64_t safeguarded() const requires detail::has_safeguard<typename ContactsType::Law> {
-    static_assert(!has_ranks,
-                  "safeguarded() counts on one process alone: a contact between two "
-                  "ranks would count twice; leave Ranks out");
-    return engine_.safeguards;
-  }
   /// The largest time step that guard allows at `speed` [m/s] of the fastest points of particles
   /// (docs/stability.md, Spin); none if the law has no closed form.
   std::optional<double> time_step_limit(double speed) const;
@@ -429,20 +368,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   bool first_kick_ = true, kicked_ = false, observed_ = false, continued_ = false;
   detail::ContactsKept kept_ = detail::ContactsKept::Nothing;  // of the present step
   bool scene_changed_ = false;                                 // since the last run began
-  struct SceneSize {
-    Box region;                                // [m] of centres
-    double speed = 0, radius = 0;              // [m/s] of surfaces, [m] the largest
-    double acceleration = 0, module_rate = 0;  // [m/s2], [1/s] by modules, the largest
-  };
-  struct RanksScene {
-    SceneSize size;
-    detail::Meetings meetings;
-    double checked_overlap = 0;  // [-] of all ranks, when free walls were last looked at
-    detail::RankEdits edits;
-    double bond_rate = 0, bond_step = INFINITY;  // [1/s], [s] BondStage::Rate
-    ParticleId bonded = no_particle;
-  };
-  [[no_unique_address]] std::conditional_t<has_ranks, RanksScene, Nothing> ranks_scene_;
+  [[no_unique_address]] std::conditional_t<has_ranks, detail::RanksScene, Nothing> ranks_scene_;
   bool laws_changed_ = false;    // by what a restart accepted, until its run begins
   std::int64_t scene_step_ = 0;  // when particles or walls were last added
   detail::OverlapLimits overlap_limits_;
@@ -450,10 +376,14 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
 
 }  // namespace silt
 
+#include <silt/simulation/begin_run.hpp>
 #include <silt/simulation/choose_time_step.hpp>
 #include <silt/simulation/deduction.hpp>
-#include <silt/simulation/parts.hpp>
+#include <silt/simulation/keep_limits.hpp>
 #include <silt/simulation/refused_simulation.hpp>
 #include <silt/simulation/step.hpp>
+#include <silt/simulation/take_in.hpp>
+#include <silt/simulation/with_bonds.hpp>
 #include <silt/simulation/with_fluid.hpp>
+#include <silt/simulation/with_ledger.hpp>
 #include <silt/simulation/with_modules.hpp>

@@ -164,7 +164,7 @@ def _checkpoint(path: str) -> str:
             word = {"f": "float", "u": "uint", "i": "int"}.get(kind)
             fields.append((name, "text" if word is None else f"{word}{8 * item}", f"{count} values"))
     except struct.error:
-        raise Error(f"checkpoint '{path}' is damaged: its table of fields makes no sense") from None
+        raise Error(f"checkpoint '{path}' is damaged: its table of fields is invalid") from None
     policies = "\n".join("  " + part.strip() for part in signature.split(";") if part.strip())
     return f"{path}: a checkpoint of {size} bytes, written by\n{policies}\nwith\n" + _rows(fields)
 

@@ -38,7 +38,7 @@ def npz_series(series: Any, path: Path, fields: Optional[Sequence[str]] = None) 
     try:
         os.makedirs(name, exist_ok=True)
     except OSError as error:
-        raise Error(f"folder '{name}' cannot be made: {error.strerror}") from None
+        raise Error(f"folder '{name}' cannot be created: {error.strerror}") from None
     meta["files"] = [f"frame_{k:06d}.npz" for k in range(len(source))]
     for k, frame in enumerate(source):
         arrays = {}

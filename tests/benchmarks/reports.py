@@ -45,10 +45,14 @@ if name in ("lmp", "liggghts"):
     deck = open(words[words.index("-in") + 1]).read()
     skin = float(re.search(r"^neighbor (\S+)", deck, re.M)[1])
     seconds = 1 + abs(skin - 4e-4) * 1e3  # 0.4 mm is the fastest
+    seconds -= 0.1 * ("balance 500 1.02 rcb" in deck)  # LAMMPS' balancing pays, LIGGGHTS' does not
+    seconds += 0.1 * ("balance 500 x" in deck)
     for _ in range(1 if wrong == "stops" else 2):
         print(f"Step Atoms KinEng\n   1 {N} 1e-6\nLoop time of {seconds} on 1 procs")
     dump(re.search(r"write_dump all custom (\S+)", deck)[1], 3 if wrong == "loosens" else 4.5)
-elif name == "bench_bed":
+elif name == "mpirun":
+    os.execv(words[4], words[4:])
+elif name in ("bench_bed", "bench_bed_ranks"):
     if words[0] in ("settle", "flow"):
         open(words[3], "w").write("bed")
     elif words[0] == "time":
@@ -91,8 +95,8 @@ class Tests(unittest.TestCase):
         self.work = self.folder.name
         self.bin = os.path.join(self.work, "bin")
         os.mkdir(self.bin)
-        for name in ("lmp", "liggghts", "bench_bed", "bench_search", "bench_goldschmidt",
-                     "bench_bodies", "bench_super_ellipsoids_bed", "bench_polyhedra_bed"):
+        for name in ("lmp", "liggghts", "bench_bed", "bench_bed_ranks", "mpirun", "bench_search",
+                     "bench_goldschmidt", "bench_bodies", "bench_super_ellipsoids_bed", "bench_polyhedra_bed"):
             path = os.path.join(self.bin, name)
             with open(path, "w") as f:
                 f.write(STAND_IN)
@@ -164,6 +168,19 @@ class Tests(unittest.TestCase):
                 self.assertIn("gravity 9.81 vector 0.70710678 0 -0.70710678\n", f.read())
         with open(self.work + "/out/silt.end") as f:
             self.assertIn("tilted", f.readline())
+
+    def test_peers_on_two_processes_with_balancing_where_it_pays(self):
+        found = self.summary_of("peers", "200", "--states", "settled", "--cores", "2", "--silt-ranks",
+                                self.bin + "/bench_bed_ranks")
+        scene = found["results"]["scenes"][0]
+        self.assertTrue(scene["skins"]["LAMMPS, Debian"]["balanced"])
+        self.assertFalse(scene["skins"]["LIGGGHTS, Debian"]["balanced"])
+        with open(self.work + "/out/lmp.in") as f:
+            self.assertIn("fix b all balance 500 1.02 rcb\n", f.read())
+        with open(self.work + "/out/liggghts.in") as f:
+            self.assertNotIn("balance", f.read())
+        self.assertIn("silt double, ranks", scene["speed"])
+        self.assertIn("silt mixed", scene["speed"])
 
     def test_peers_notices_lost_spheres_and_contacts(self):
         self.assertIn("200 spheres, settled, 1 core, LAMMPS, Debian: spheres",

@@ -146,7 +146,7 @@ TEST_CASE("bonds: lists of bonded spheres that cannot be are refused, with nothi
       silt_test::refusal([&] {
         placed(silt::fibre({0, 0, 0}, {4 * R, 0, 0}, 3, grain), {0, 0, 0}, {1, 1, 0, 0});
       }),
-      "is no unit quaternion"));
+      "is not a unit quaternion"));
 }
 
 TEST_CASE("bonds: makers and bond_near refuse what cannot be, with the number") {
@@ -155,8 +155,8 @@ TEST_CASE("bonds: makers and bond_near refuse what cannot be, with the number") 
     CAPTURE(said);
     CHECK(silt_test::has(said, words));
   };
-  refused([] { silt::fibre({0, 0, 0}, {0, 0, 0}, 3, grain); }, "there is no way");
-  refused([] { silt::fibre({0, 0, 0}, {NAN, 0, 0}, 3, grain); }, "there is no way");
+  refused([] { silt::fibre({0, 0, 0}, {0, 0, 0}, 3, grain); }, "there is no distance");
+  refused([] { silt::fibre({0, 0, 0}, {NAN, 0, 0}, 3, grain); }, "there is no distance");
   refused([] { silt::sheet({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 1, 3, grain); }, "1 x 3 spheres");
   const silt::Box box{{0, 0, 0}, {9 * R, 9 * R, 9 * R}};
   refused([&] { silt::agglomerate(box, {.radius = R}, NAN, grain); }, "gap = nan [m]");

@@ -115,7 +115,7 @@ TEST_CASE("mesh_file: the content decides before the name, and the caller before
   silt::write_stl(folder.file("e"), roof, silt::StlFormat::Ascii);
   CHECK(read_mesh(folder.file("e")) == roof);
   refuses<FileError>([&] { (void)read_mesh(folder.with("f.dat", roof_obj)); },
-                     "is no mesh that silt knows by its first line or its name");
+                     "is not a mesh format known by its content or its name");
   refuses<FileError>([&] { (void)read_mesh(folder.file("none.obj")); }, "No such file");
 }
 
@@ -181,11 +181,11 @@ TEST_CASE(
 
 TEST_CASE("mesh_file: a bad OBJ file is refused with line and reason") {
   const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-  refused("a.obj", points, "holds no faces; a surface needs triangles or polygons");
-  refused("a.obj", "", "holds no faces");
+  refused("a.obj", points, "has no faces; a surface needs triangles or polygons");
+  refused("a.obj", "", "has no faces");
   refused("a.obj", points + "f 1 2 4\n",
-          "line 4: the face's corner '4' names a point that is not "
-          "there; 3 stand before this line");
+          "line 4: the face's corner '4' names a point that does not "
+          "exist; 3 precede this line");
   refused("a.obj", points + "f -4 2 3\n", "line 4: the face's corner '-4' names a point");
   refused("a.obj", points + "f 1 2 0\n", "'0' names no point; they count from 1, or back from -1");
   refused("a.obj", points + "f 1 2 x/1\n", "line 4: the face's corner 'x/1' names no point");
@@ -193,7 +193,8 @@ TEST_CASE("mesh_file: a bad OBJ file is refused with line and reason") {
   refused("a.obj", "v 0 0\n" + points + "f 1 2 3\n", "line 1: z is missing");
   refused("a.obj", "v 0 0 1,5\n" + points, "line 1: z: '1,5' is not a number");
   refused("a.obj", "v 0 nan 0\n" + points, "line 1: y: 'nan' is not finite");
-  refused("a.obj", points + "surf 0 1 0 1 1 2 3\n", "line 4: 'surf' is no statement of polygons");
+  refused("a.obj", points + "surf 0 1 0 1 1 2 3\n",
+          "line 4: 'surf' is not a statement of a polygon mesh");
   refused("a.obj", std::string("v 0 0 0\0", 8), "is no text: it has zero bytes");
   const Folder folder;
   const auto large = folder.with("b.obj", "v 0 0 0\nv 10 0 0\nv 0 1 0\nf 1 2 3\n");
@@ -212,14 +213,14 @@ TEST_CASE("mesh_file: a bad PLY file is refused with line or element, and reason
   bad("vertex 5", "vertex five", "line 4: number of elements: 'five' is not a whole number");
   bad("vertex 5", "vertex 5000000000", "line 4: announces 5000000000 elements 'vertex', but only");
   bad("element vertex 5", "element point 5", "no element 'vertex' with the properties x, y and z");
-  bad("element vertex 5\n", "", "line 4: a property stands before the first element");
+  bad("element vertex 5\n", "", "line 4: a property precedes the first element");
   bad("float x", "half x", "line 5: type 'half' is unknown; PLY has char");
   bad("float y", "float x", "line 6: property 'x' of element 'vertex' is named twice");
   bad("element face", "element vertex", "line 9: element 'vertex' is named twice");
   bad("uchar int vertex", "float int vertex", "line 10: the length of a list must be an integer");
   bad("int vertex_indices", "float vertex_indices",
       "line 10: numbers of vertices must be integers");
-  bad("vertex_indices", "neighbours", "a cloud of points is no surface");
+  bad("vertex_indices", "neighbours", "a point cloud is not a surface");
   bad("end_header\n", "", "expected 'format', 'element', 'property' or 'end_header', found '0'");
   bad("2 1 0 0\n", "2 1 0\n", "line 16: a value of element 'vertex' is missing");
   bad("2 1 0 0\n", "2 1 0 0 7\n", "line 16: more values than element 'vertex' has properties");
@@ -244,7 +245,8 @@ TEST_CASE("mesh_file: a bad VTP file is refused with line and reason") {
   const auto bad = [](const std::string& from, const std::string& to, const std::string& words) {
     refused("a.vtp", replaced(roof_vtp, from, to), words);
   };
-  bad("'PolyData'", "\"UnstructuredGrid\"", "line 2: type = 'UnstructuredGrid' of VTKFile is no");
+  bad("'PolyData'", "\"UnstructuredGrid\"",
+      "line 2: type = 'UnstructuredGrid' of VTKFile is not a");
   bad("version=\"0.1\"", "compressor=\"vtkZLibDataCompressor\"",
       "line 2: the arrays are compressed");
   bad("version=\"0.1\"", "byte_order=\"BigEndian\"",

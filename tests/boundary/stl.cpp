@@ -166,9 +166,9 @@ TEST_CASE("stl: files that hold nothing are refused, by name") {
                      "cannot be read: Is a directory");
   refuses<FileError>([&] { silt::read_stl(folder.with("e.stl", "")); }, "e.stl is empty");
   refuses<FileError>([&] { silt::read_stl(folder.with("z.stl", "solid z\nendsolid z\n")); },
-                     "z.stl holds no triangles");
+                     "z.stl has no triangles");
   refuses<FileError>([&] { silt::read_stl(folder.with("z.stl", std::string(84, '\0'))); },
-                     "z.stl holds no triangles");
+                     "z.stl has no triangles");
 }
 
 TEST_CASE("stl: truncated and foreign binary files are refused with the bytes expected and found") {

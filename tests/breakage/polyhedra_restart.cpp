@@ -218,9 +218,9 @@ TEST_CASE("breakage: forged cells are refused with a sentence, and nothing has c
     auto& loops = field(p, "breakage.loops").bytes;
     loops += loops.substr(0, 12);
   });
-  refused("cell 0 is no convex body: Polyhedron: face 0 has 0 corners",
+  refused("cell 0 is not a convex body: Polyhedron: face 0 has 0 corners",
           [](auto& p) { set_value(field(p, "breakage.face_sizes"), 0, std::uint32_t{0}); });
-  refused("cell 0 is no convex body: Polyhedron: face 0 has corner 4294967295 of ",
+  refused("cell 0 is not a convex body: Polyhedron: face 0 has corner 4294967295 of ",
           [&](auto& p) { set_loop(p, 1, 0xffffffff); });
   refused("face 0 has a corner twice", [&](auto& p) { set_loop(p, 1, loop(0)); });
   const auto first_face = value_at<std::uint32_t>(field(parts, "breakage.face_sizes"), 0);
@@ -229,10 +229,10 @@ TEST_CASE("breakage: forged cells are refused with a sentence, and nothing has c
   });
   refused("[m]; corners must be finite",
           [](auto& p) { set_value(field(p, "breakage.corners"), 1, std::nan("")); });
-  refused("is no convex body: Polyhedron: ", [](auto& p) {  // a corner far away
+  refused("is not a convex body: Polyhedron: ", [](auto& p) {  // a corner far away
     set_value(field(p, "breakage.corners"), 0, 1.0);
   });
-  refused("is no convex body: Polyhedron: ", [](auto& p) {  // all in one place
+  refused("is not a convex body: Polyhedron: ", [](auto& p) {  // all in one place
     auto& corners = field(p, "breakage.corners");
     for (std::size_t k = 3; k < corners.count(); ++k)
       set_value(corners, k, value_at<double>(corners, k % 3));

@@ -174,7 +174,7 @@ TEST_CASE("SizeTable: refusals; a state that is none leaves the table as it was"
   has(refusal([&] { table.merge(SizeTable(3e-3)); }), "bins of 0.003 [s] into one of 0.001 [s]");
   const auto good = table.state();
   const auto restoring = [&](std::vector<double> state) {
-    has(refusal([&] { table.restore(state); }), "are no state of a SizeTable");
+    has(refusal([&] { table.restore(state); }), "are not a state of a SizeTable");
     CHECK(table.state() == good);
   };
   restoring({});

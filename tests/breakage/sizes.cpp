@@ -103,7 +103,7 @@ TEST_CASE("check_sizes: refuses what creates or loses mass") {
   says(capped, 1, "nothing was refused");
   says(capped, 1.1, "largest() = 0.0022 [m] must be greater than 0 and no more than the parent's");
   says(capped, 0, "largest() = 0 [m]");
-  says(capped, 0.8, "must be 1 from largest() = 0.0016 [m] on: the rest of the mass is lost");
+  says(capped, 0.8, "must be 1 from largest() = 0.0016 [m] on: otherwise mass is lost");
   says([](double x) { return std::min(1.0, 0.1 + x); }, 1, "finer(0) = 0.1 [-] must be 0");
   says([](double x) { return 1.1 * std::min(x, 1.0); }, 1, "must be in [0, 1]");
   says([](double x) { return x >= 1 ? 1 : 4 * x * (1 - x); }, 1, "finer() must not fall");

@@ -174,9 +174,7 @@ TEST_CASE("random: index takes every number equally often") {
 
 TEST_CASE("random: index(0) is refused with a sentence") {
   Random random(1);
-  CHECK_THROWS_WITH_AS(random.index(0),
-                       "Random::index(0): there is no number to choose from; n must be at least 1",
-                       silt::InputError);
+  CHECK_THROWS_WITH_AS(random.index(0), "Random::index(0): n must be at least 1", silt::InputError);
 }
 
 }  // namespace random_test

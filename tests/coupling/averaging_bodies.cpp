@@ -183,7 +183,7 @@ TEST_CASE(
   for (int i = 0; i < 5; ++i) CHECK(fa(i, 2, 3) == fb(i, 2, 3));
 
   Unresolved::Averaging exact({}, grid, 1);
-  CHECK(says(refusal([&] { exact.place(same.seen()); }), "Share::Exact is of spheres alone"));
+  CHECK(says(refusal([&] { exact.place(same.seen()); }), "Share::Exact is for spheres only"));
   same.form[3] = 7;
   CHECK(says(refusal([&] { a.place(same.seen()); }), "form 7 of particle 3"));
   same.form.clear(), same.orientation.clear();

@@ -389,7 +389,7 @@ TEST_CASE("fast_spins: a checkpoint keeps the levers, and refuses those of anoth
   again.engine().mover.bodies[0].lever.y *= 0.5;
   silt::save_checkpoint(again, "fast_spins.silt");
   CHECK(has_words(refusal<silt::FileError>([&] { load_checkpoint(sim, "fast_spins.silt"); }),
-                  {"body 0: lever", "does not fit to its form"}));
+                  {"body 0: lever", "does not match its form"}));
   std::remove("fast_spins.silt");
 }
 

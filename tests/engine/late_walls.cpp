@@ -132,7 +132,7 @@ TEST_CASE("late walls: modules' values for a material whose wall comes after a r
   CHECK(has(refusal([&] {
               falling(silt::Contacts<silt::HertzMindlin, silt::RollingEpsd>{glass, {}}, known);
             }),
-            "that comes later is added by contacts.add(material, name) beforehand"));
+            "added later is registered by contacts.add(material, name) beforehand"));
   // Values that come with the wall.
   auto alone = known;
   alone.others.clear();

@@ -158,14 +158,14 @@ TEST_CASE("names of materials: values of modules for materials that are not ther
   two.others = {{.conductivity = 2, .heat_capacity = 800}};
   with(one);
   refused([&] { with(two); },
-          {"HeatConduction.others has 1 entry, of material 1 and on, but the contacts and walls "
+          {"HeatConduction.others has 1 entry, from material 1 on, but the contacts and walls "
            "have 1 material: those of equal values are one unless they have names of their own "
            "(contacts.add(material, name))"});
   refused(
       [&] {
         with(silt::MutualRadiation{one, {.gap = 1e-3, .others = {0.5, 0.5}}});
       },
-      {"MutualRadiation.others has 2 entries, of material 1 and on, but the contacts and walls "
+      {"MutualRadiation.others has 2 entries, from material 1 on, but the contacts and walls "
        "have 1 material"});
   refused(
       [&] {
@@ -232,8 +232,8 @@ TEST_CASE("names of materials: values that modules lack or that are wrong") {
   const silt::HeatConduction heat{.conductivity = 1, .heat_capacity = 800};
   auto bad = heat, wall = heat;
   bad.others = {{.conductivity = -2, .heat_capacity = 800}};
-  refused([&] { with(heat); }, {"HeatConduction: particle 1 is of material 1 'steel', of which "
-                                "`others` has no conductivity"});
+  refused([&] { with(heat); }, {"HeatConduction: particle 1 is of material 1 'steel', which has no "
+                                "conductivity in `others`"});
   refused([&] { with(bad); },
           {"HeatConduction.others[0] (material 1 'steel').conductivity = -2 [W/(m K)]"});
   wall.walls = {silt::held_at(300)};
@@ -245,14 +245,14 @@ TEST_CASE("names of materials: values that modules lack or that are wrong") {
         sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, hard, {.name = "floor"});
         sim.run(0);
       },
-      {"HeatConduction: wall 0 'floor' is of material 1 'steel', of which `others`"});
+      {"HeatConduction: wall 0 'floor' is of material 1 'steel', which has no"});
   auto full = heat;
   full.others = {{.conductivity = 2, .heat_capacity = 800}};
   refused(
       [&] {
         with(silt::MutualRadiation{full, {.gap = 1e-3}});
       },
-      {"MutualRadiation: particle 1 is of material 1 'steel', of which `others` has no"});
+      {"MutualRadiation: particle 1 is of material 1 'steel', which has no"});
   refused(
       [&] {
         with(silt::MutualRadiation{full, {.gap = 1e-3, .others = {2}}});
@@ -261,8 +261,8 @@ TEST_CASE("names of materials: values that modules lack or that are wrong") {
   const auto tribo = [](std::vector<double> work) {
     return silt::TriboCharge{silt::Charge{.cutoff = 4e-3}, {.work_functions = std::move(work)}};
   };
-  refused([&] { with(tribo({4})); },
-          {"TriboCharge: particle 1 is of material 1 'steel', of which `work_functions`"});
+  refused([&] { with(tribo({4})); }, {"TriboCharge: particle 1 is of material 1 'steel', which has "
+                                      "no value [eV] in `work_functions`"});
   refused(
       [&] {
         with(tribo({4, std::numeric_limits<double>::infinity()}));

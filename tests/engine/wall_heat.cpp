@@ -187,7 +187,7 @@ TEST_CASE("wall heat: what cannot be is refused by a sentence") {
                 now.template module<silt::HeatConduction>().walls = {{"left", silt::held_at(400)}};
               });
             }),
-            "Simulation::set_wall_heat changes one at any time"));
+            "Simulation::set_wall_heat changes a wall at any time"));
 }
 
 // Catches radiation of T^4 from a negative temperature, which heats like a positive one.

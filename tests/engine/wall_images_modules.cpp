@@ -387,7 +387,7 @@ TEST_CASE(
     for (const char* list : {"outer", "inner"})
       CHECK(has_words(refused(list, image),
                       {path, std::string("walls.") + list + "_images[", std::to_string(image),
-                       "no image of a wall in this box"}));
+                       "not an image of a wall in this box"}));
   CHECK(has_words(refused("outer", wall_image({1, 0, 0}), true), {"planes do not repeat"}));
   CHECK(has_words(refused("inner", wall_image({5, 0, 0})), {"is none of the outer list"}));
 
@@ -415,7 +415,7 @@ TEST_CASE(
   fuzz::write_bytes(path, forged.file());
   auto other = in_the_open();
   CHECK(has_words(refusal<silt::FileError>([&] { silt::load_checkpoint(other, path); }),
-                  {"walls.outer_images[0] = 1", "no image of a wall in this box"}));
+                  {"walls.outer_images[0] = 1", "not an image of a wall in this box"}));
 }
 
 }  // namespace wall_images_modules_test

@@ -94,7 +94,7 @@ TEST_CASE("walls: a name finds its wall, and stands in messages") {
   behind.add_outlet({{0, 0, -1}, {1, 1, -0.5}});
   const auto warnings = silt::scene_warnings(behind);
   REQUIRE(warnings.size() == 1);
-  CHECK(has_words(warnings[0], {"lies behind wall 0 'tank'"}));
+  CHECK(has_words(warnings[0], {"is behind wall 0 'tank'"}));
 }
 
 TEST_CASE("motions: one that is changed in a run begins where the wall is") {

@@ -144,13 +144,14 @@ TEST_CASE("particle_file: a missing file and a folder are refused with the syste
 TEST_CASE("particle_file: an empty file and a file without particles are refused") {
   check_refused("", "is empty; it needs a line that names its columns");
   check_refused("\n  \n# only a comment\n", "is empty");
-  check_refused("x y z radius\n# none\n", "names its columns but holds no particle");
+  check_refused("x y z radius\n# none\n", "has a header but no particles");
 }
 
 TEST_CASE("particle_file: a bad header is refused with line and column") {
-  check_refused("# beads\n\nx y z size\n0 0 0 1\n", "line 3: 'size' is no column name");
-  check_refused("0 0 0 1\n", "line 1: '0' is no column name; the first line that is no comment");
-  check_refused("x,y,z,,radius\n", "line 1: '' is no column name");
+  check_refused("# beads\n\nx y z size\n0 0 0 1\n", "line 3: 'size' is not a column name");
+  check_refused("0 0 0 1\n",
+                "line 1: '0' is not a column name; the first line that is not a comment");
+  check_refused("x,y,z,,radius\n", "line 1: '' is not a column name");
   check_refused("x y radius\n0 0 1\n", "line 1: the column 'z' is missing");
   check_refused("x y z\n0 0 0\n", "line 1: the column 'radius' or 'diameter' is missing");
   check_refused("x y z radius vx vz\n", "line 1: the column 'vy' is missing");
@@ -197,7 +198,7 @@ TEST_CASE("particle_file: a table that could not be read back is refused and lea
                          silt::InputError);
     check_equal(silt::read_particle_file(path), good);
   };
-  says([](ParticleTable& t) { t = {}; }, "ParticleTable holds no particle");
+  says([](ParticleTable& t) { t = {}; }, "ParticleTable has no particles");
   says([](ParticleTable& t) { t.radius.pop_back(); },
        "ParticleTable.radius has 2 entries for 3 positions");
   says([](ParticleTable& t) { t.velocity.pop_back(); }, "ParticleTable.velocity has 2 entries");

@@ -159,7 +159,7 @@ TEST_CASE("particle_formats: scales turn cgs into SI; the file's own units stay 
     refused<InputError>(data, "ParticleFile.scale = ", {.scale = bad});
     refused<InputError>(data, "ParticleFile.mass_scale = ", {.mass_scale = bad});
   }
-  refused<InputError>(data, "ParticleFile.timestep = 3 is of dumps alone", {.timestep = 3});
+  refused<InputError>(data, "ParticleFile.timestep = 3 applies to dumps only", {.timestep = 3});
 }
 
 TEST_CASE("particle_formats: Particles::read takes what the file lacks from the caller") {
@@ -187,7 +187,7 @@ TEST_CASE("particle_formats: a bad dump is refused with line and reason") {
   bad("ITEM: NUMBER OF ATOMS\n2\n", "", "line 7: 'ITEM: NUMBER OF ATOMS' is missing");
   bad("ATOMS\n2\n", "ATOMS\n0\n", "line 9: time step 0 has no atoms; choose another");
   bad("ITEM: NUMBER OF ATOMS", "ITEM: NUMBER OF ENTRIES",
-      "line 3: 'ITEM: NUMBER OF ENTRIES' stands");
+      "line 3: 'ITEM: NUMBER OF ENTRIES' found where");
   bad("BOUNDS pp pp ff", "BOUNDS abc origin pp pp ff", "line 5: the box is general triclinic");
   bad("-1 3\n", "-1\n", "line 6: a bound of the box is missing");
   refused(dump, "has no frame of time step 50; it has 2, of the steps 0 to 100", {.timestep = 50});
@@ -230,15 +230,15 @@ TEST_CASE("particle_formats: a bad data file is refused with line and reason") {
   bad("4 5 6 #", "4 5 #", "line 16: z is missing");
   bad("4 5 6 #", "4 5 six #", "line 16: z: 'six' is not a number");
   bad("0 0 -1\n", "0 0\n", "line 15: an image flag is missing");
-  bad("0 0 -1\n", "0 0 -1 8\n", "line 15: has '8' behind its values");
+  bad("0 0 -1\n", "0 0 -1 8\n", "line 15: has '8' after its values");
   bad(" 2 atoms\n3", " 3 atoms\n3",
       "section 'Atoms' ends after 2 atoms, but the header announces 3");
-  bad("Velocities\n\n2 1", "Velocities\n\n3 1", "line 20: id 3 is none of the section 'Atoms'");
+  bad("Velocities\n\n2 1", "Velocities\n\n3 1", "line 20: id 3 is not in the section 'Atoms'");
   bad("2 1 2 3 4 5 6", "2 1 2 3 4 5", "line 20: wz is missing");
-  bad("2 1 2 3 4 5 6", "2 1 2 3 4 5 6 7", "line 20: has '7' behind its values");
+  bad("2 1 2 3 4 5 6", "2 1 2 3 4 5 6 7", "line 20: has '7' after its values");
   bad("2 1 1.0 7800", "7 1 1.0 7800", "line 18: ids of atoms are not unique");
-  bad("Masses", "Velocities", "line 9: 'Velocities' stands before 'Atoms'; put it behind");
-  bad("Atoms # sphere", "Ellipsoids", "line 18: 'Velocities' stands before 'Atoms'");
+  bad("Masses", "Velocities", "line 9: 'Velocities' is before 'Atoms'; move it after");
+  bad("Atoms # sphere", "Ellipsoids", "line 18: 'Velocities' is before 'Atoms'");
   refused(data.substr(0, data.find("Atoms")), "has no section 'Atoms' with atoms in it");
 }
 
@@ -252,7 +252,7 @@ TEST_CASE("particle_formats: a bad file of Yade is refused with line and reason"
   refused("#format x_y_z_r_matId\n0 0 0 1 5000000000\n", "matId: 5000000000 is too large");
   refused("#format id_x_y_z_r_matId\n1 0 0 0 1 1\n",
           "format 'id_x_y_z_r_matId' is not read; export");
-  refused("# none\n", "holds no sphere", {.format = ParticleFormat::Yade});
+  refused("# none\n", "has no spheres", {.format = ParticleFormat::Yade});
 }
 
 }  // namespace particle_formats_test

@@ -160,7 +160,7 @@ TEST_CASE("boundary_of: what it refuses") {
                        doctest::Contains("Cylinder.radius"), silt::InputError);
   Soup soup = mantle(0, 1, 1, 8);
   std::swap(soup[3][0], soup[3][1]);
-  CHECK_THROWS_WITH_AS(boundary_of(TriangleMesh(soup)), doctest::Contains("opposite ways round"),
+  CHECK_THROWS_WITH_AS(boundary_of(TriangleMesh(soup)), doctest::Contains("opposite orientations"),
                        silt::InputError);
   // A flow whose box is longer than the pipe.
   FlowSolver flow(Grid({{0, -1, -1}, {2, 1, 1}}, {8, 8, 8}), {1.0, 0.1});

@@ -170,10 +170,10 @@ TEST_CASE("inflows that cannot be are refused") {
     CHECK(said.find(words) != std::string::npos);
   };
   refuses({.rate = std::nan("")}, "Inflow.rate");
-  refuses({.outline = [](const Vec3d&) { return std::nan(""); }}, "Inflow.outline is no number");
+  refuses({.outline = [](const Vec3d&) { return std::nan(""); }}, "Inflow.outline is not a number");
   refuses({.velocity = {0, 0, 1}, .outline = [](const Vec3d&) { return -1.0; }}, "has no face");
-  refuses({.velocity = {0, 0, -1}, .rate = 1e-5}, "let them point that way");
-  refuses({.velocity = {1, 0, 0}, .rate = 1e-5}, "let them point that way");
+  refuses({.velocity = {0, 0, -1}, .rate = 1e-5}, "reverse them");
+  refuses({.velocity = {1, 0, 0}, .rate = 1e-5}, "reverse them");
   refuses({.profile =
                [](const Vec3d& x) {
                  return Vec3d{0, 0, x.x};

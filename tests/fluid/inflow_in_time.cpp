@@ -243,7 +243,7 @@ TEST_CASE("inflows in time that cannot be are refused") {
   refuses({.rate = 1e-5, .velocity_in_time = steady}, "give one of them");
   refuses({.velocity_in_time = steady, .rate_in_time = one}, "give one of them");
   refuses({.rate = 1e-5, .rate_in_time = one}, "both rate and rate_in_time");
-  refuses({.velocity = {-1, 0, 0}, .rate_in_time = one}, "let them point that way");
+  refuses({.velocity = {-1, 0, 0}, .rate_in_time = one}, "reverse them");
   const auto nowhere = [](const Vec3d&) { return -1.0; };
   refuses({.outline = nowhere, .velocity_in_time = steady}, "has no face");
   // Where a function stops to be a number, the step says when.

@@ -117,7 +117,8 @@ TEST_CASE("atomic_file: a full disk is a FileError with path and reason; the old
   const std::string path = folder / "a.txt";
   write_bytes(path, "old");
   for (const silt::Flush flush : {silt::Flush::ToDisk, silt::Flush::Never})
-    for (const std::size_t size : {std::size_t{10}, std::size_t{1'000'000}}) {  // in commit, in write
+    for (const std::size_t size :
+         {std::size_t{10}, std::size_t{1'000'000}}) {  // in commit, in write
       fs::create_symlink("/dev/full", path + ".partial");
       const auto sentence = refusal([&] {
         silt::AtomicFile file(path, flush);
@@ -297,7 +298,7 @@ TEST_CASE("checkpoint: missing, empty, foreign, newer, swapped and damaged files
                   {path, "version 3", "reads version 2", "newer"}));
   put(changed, 12, std::uint32_t{1});
   CHECK(has_words(sentence_for(with_checksum(changed)),
-                  {path, "version 1", "the silt that wrote it"}));
+                  {path, "version 1", "the version of silt that wrote it"}));
   changed = good;
   changed[good.size() - 30] ^= 1;
   CHECK(has_words(sentence_for(changed), {path, "damaged", "checksum"}));

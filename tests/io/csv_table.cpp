@@ -101,9 +101,9 @@ TEST_CASE("csv_table: resume refuses other columns and damaged rows, and leaves 
   refused("time [s],energy [J]\n0,1\n\n", "line 3 is not 2 numbers");
   refused("time [s],energy [J]\n0,x\n", "'0,x'");
   // Times tell which rows to keep: all of them must be ones.
-  refused("time [s],energy [J]\n0,1\nnan,2\n", "line 3 begins with nan, which is no time");
-  refused("time [s],energy [J]\n-inf,1\n", "line 2 begins with -inf, which is no time");
-  refused("time [s],energy [J]\n0,1\ninf,2\n", "line 3 begins with inf, which is no time");
+  refused("time [s],energy [J]\n0,1\nnan,2\n", "line 3 begins with nan, which is not a time");
+  refused("time [s],energy [J]\n-inf,1\n", "line 2 begins with -inf, which is not a time");
+  refused("time [s],energy [J]\n0,1\ninf,2\n", "line 3 begins with inf, which is not a time");
   refused("time [s],energy [J]\n0,1\n0.5,2\n0.25,3\n",
           "line 4 begins with 0.25, less than the 0.5 of the line above");
   // What a sentence shows of a file is short and plain.

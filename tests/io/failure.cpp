@@ -112,7 +112,7 @@ TEST_CASE("an overlap: the same error, with the particles, contacts and states t
       said,
       {out.path, "failure.txt, particles.csv, contacts.csv, touching.vtp, around.vtp, walls.vtp",
        "last_good.silt is the state at step ", "before the failure",
-       "at_failure.silt is the state in which it failed"}));
+       "at_failure.silt is the state at the failure"}));
   CHECK(content(out / "failure.txt").starts_with(was));
 
   // The deepest contact is the one that the error names.
@@ -153,7 +153,7 @@ TEST_CASE("numbers that are none: no checkpoint of them, but of the state before
   const SimulationError error = failure([&] { sim.run(0.05, silt::on_failure(out.path)); });
   CHECK(std::string(error.what()).starts_with(was));
   CHECK(has_words(error.what(), {"last_good.silt is the state at step 0, t = 0 s",
-                                 "not all numbers, and no checkpoint"}));
+                                 "not finite, and was not written"}));
   CHECK(!fs::exists(out / "at_failure.silt"));
   CHECK(row(out / "particles.csv", 1)[0] == 4);
   Sim again = scene(force, light, step);
@@ -229,7 +229,7 @@ TEST_CASE("what cannot be written hides nothing") {
               }));
     });
     CHECK(std::string(error.what()).starts_with(was));
-    CHECK(has_words(error.what(), {"on_failure could write nothing"}));
+    CHECK(has_words(error.what(), {"on_failure could not write"}));
   }
   Folder out;  // where nothing can be kept, it says so before the first step
   std::ofstream(out / "file") << "in the way";

@@ -60,8 +60,8 @@ TEST_CASE("progress_line: how well the books of a fluid close") {
     double volume = 2.22e-16, continuity = 1.4e-9, momentum = 0, clipped = 0.015;
   } most;
   CHECK(silt::closure_line(most) ==
-        "fluid, at most of any step: volume of solids off by 2.2e-16, momentum by 0 of what is "
-        "exchanged, continuity by 1.4e-09 of a cell, no room for 0.015 of the solids");
+        "fluid, largest error of any step: solid volume 2.2e-16, momentum 0 of the "
+        "exchange, continuity 1.4e-09 of a cell; clipped 0.015 of the solid volume");
 }
 
 TEST_CASE("progress_line: a liquid's particles are counted beside the others") {
@@ -73,9 +73,8 @@ TEST_CASE("closure_line: of a liquid of particles nothing is said of cells") {
   struct {
     double volume = 1e-16, momentum = 2e-16, continuity = 0, clipped = 0;
   } books;
-  CHECK(silt::closure_line(books).find(", continuity by 0 of a cell, no room") !=
-        std::string::npos);
-  CHECK(silt::closure_line(books, false).find("exchanged, no room for 0 of the solids") !=
+  CHECK(silt::closure_line(books).find(", continuity 0 of a cell; clipped") != std::string::npos);
+  CHECK(silt::closure_line(books, false).find("exchange; clipped 0 of the solid volume") !=
         std::string::npos);
 }
 

@@ -173,7 +173,7 @@ TEST_CASE("scene_warnings: an outlet behind walls, but for what may be a lid") {
     sim.add_outlet({{0, 0, 0.01}, {1, 1, 1}});  // half of it is inside
     CHECK(is_silent(scene_warnings(sim)));
     sim.add_outlet(outlet);
-    CHECK(is_one(scene_warnings(sim), {"outlet 1 from", "lies behind wall 0,",
+    CHECK(is_one(scene_warnings(sim), {"outlet 1 from", "is behind wall 0,",
                                        "no particle can reach it", "move it to the side"}));
     sim.remove_wall(0);
     CHECK(is_silent(scene_warnings(sim)));
@@ -183,13 +183,13 @@ TEST_CASE("scene_warnings: an outlet behind walls, but for what may be a lid") {
   on_floor.add_outlet(below);
   CHECK(is_silent(scene_warnings(on_floor)));
   on_floor.add_wall(floor, rubber);
-  CHECK(is_one(scene_warnings(on_floor), {"lies behind wall 0,"}));
+  CHECK(is_one(scene_warnings(on_floor), {"is behind wall 0,"}));
   // A tube with a lid, which is there to be removed: the outlet waits below.
   on_floor.add_wall(silt::Cylinder{{0.01, 0.01, 0}, {0.01, 0.01, 1}, 0.02, Side::Inside}, rubber);
   CHECK(is_silent(scene_warnings(on_floor)));
   // Behind a lid and a floor: with either gone, the other is still there.
   on_floor.add_wall(Plane{{0, 0, -5e-3}, {0, 0, 1}}, rubber);
-  CHECK(is_one(scene_warnings(on_floor), {"lies behind wall 0 and wall 2,"}));
+  CHECK(is_one(scene_warnings(on_floor), {"is behind wall 0 and wall 2,"}));
   // A mould on a table that is no plane, with an outlet for what rolls off.
   auto mould = boxed({});
   mould.add_wall(silt::TriangleMesh(boundary_test::box_soup({-0.1, -0.1, -0.02}, {0.1, 0.1, 0})),
@@ -211,7 +211,7 @@ TEST_CASE("scene_warnings: an outlet behind walls, but for what may be a lid") {
   constexpr double far = std::numeric_limits<double>::infinity();
   auto endless = boxed({});
   endless.add_outlet({{-far, -far, -far}, {far, far, -0.01}});
-  CHECK(is_one(scene_warnings(endless), {"lies behind wall 0,"}));
+  CHECK(is_one(scene_warnings(endless), {"is behind wall 0,"}));
   auto free = boxed({});
   free.add_outlet({{-far, -far, 0.01}, {far, far, far}});
   CHECK(is_silent(scene_warnings(free)));
@@ -298,7 +298,7 @@ TEST_CASE("scene_warnings: gravity that has no wall in its way") {
     return scene_warnings(sim);
   };
   CHECK(is_one(in_tube({0, 0, 9.81}), {"gravity = (0, 0, 9.81) [m/s2] has no wall in its way",
-                                       "64 particles", "turn its sign"}));
+                                       "64 particles", "reverse its sign"}));
   CHECK(is_one(in_tube({0, 0, 1.62}), {"has no wall in its way"}));
   CHECK(is_silent(in_tube({0, 0, 9.81}, 9)));
   CHECK(is_silent(in_tube({0, 0, -9.81})));
@@ -515,7 +515,7 @@ TEST_CASE("inlet_warnings: what an inlet could not place, unless it catches up")
                    {.radius = 1e-3, .density = 2500, .rate = 1000, .velocity = {0, 0, -1}});
   behind.run(0.05);
   CHECK(is_one(inlet_warnings(behind),
-               {"inlet 0 has placed none of the", "lies behind wall 0 'box'", "move it"}));
+               {"inlet 0 has placed none of the", "is behind wall 0 'box'", "move it"}));
 }
 
 // --- observers ------------------------------------------------------------------------------

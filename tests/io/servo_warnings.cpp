@@ -51,7 +51,8 @@ TEST_CASE("servo_warnings: a servo that meets no load is warned of at the end of
   const Sentences away = warned(up, {0.01});
   REQUIRE(away.size() == 1);
   CHECK(has(away[0], "wall 1 'lid': its ServoForce has moved it by 0.00"));
-  CHECK(has(away[0], "met no load; if it moves away from the particles turn its direction"));
+  CHECK(has(away[0],
+            "without meeting a load; if it moves away from the particles, reverse its direction"));
   CHECK(warned(down, {0.005}).size() == 1);  // it has not got there yet
   CHECK(warned(down, {0.1}).empty());        // it is there
   up.max_travel = 1e-4;
@@ -65,18 +66,17 @@ TEST_CASE("servo_warnings: a servo that meets no load is warned of at the end of
       ServoTorque{.centre = {0, 0, 0}, .axis = {0, 0, 1}, .torque = 1, .max_rate = 2}, {0.01});
   REQUIRE(turns.size() == 1);
   CHECK(has(turns[0], "its ServoTorque has moved it by 0.0"));
-  CHECK(has(turns[0], "turn its axis"));
+  CHECK(has(turns[0], "reverse its axis"));
   CHECK(warned(ServoTorque{.centre = {0, 0, 0}, .axis = {0, 0, 1}, .torque = -1, .max_rate = 2},
                {0.01})
             .size() == 1);
 }
 
-TEST_CASE("servo_warnings: a negative force is refused, as the direction gives the sense") {
-  CHECK(
-      has(refusal([&] {
-            scene(ServoForce{.direction = {0, 0, -1}, .force = -5, .max_speed = 0.1});
-          }),
-          "ServoForce.force = -5 [N] must not be negative: `direction` gives the sense, turn it"));
+TEST_CASE("servo_warnings: a negative force is refused; the direction gives the sign") {
+  CHECK(has(refusal([&] {
+              scene(ServoForce{.direction = {0, 0, -1}, .force = -5, .max_speed = 0.1});
+            }),
+            "ServoForce.force = -5 [N] must not be negative: reverse `direction` instead"));
 }
 
 }  // namespace servo_warnings_test

@@ -342,7 +342,7 @@ TEST_CASE(
   std::filesystem::remove_all(folder);
   const std::array<std::array<float, 3>, 3> odd{};
   CHECK(has_words(refusal<silt::InputError>([&] { silt::write_vtp_lines("odd.vtp", odd); }),
-                  {"odd.vtp", "3 points are no ends of lines"}));
+                  {"odd.vtp", "3 points are not ends of lines"}));
 }
 
 }  // namespace coarse_fields_test

@@ -227,9 +227,9 @@ TEST_CASE("loads of parts of walls: rings of a silo and facets of its floor add 
   std::filesystem::remove(path);
 
   const auto no_mesh = refusal<silt::InputError>([&] { silt::facet_loads(sim, 0); });
-  CHECK(has_words(no_mesh, {"facet_loads: surface 0 of wall 0", "no triangle mesh"}));
+  CHECK(has_words(no_mesh, {"facet_loads: surface 0 of wall 0", "not a triangle mesh"}));
   const auto no_ring = refusal<silt::InputError>([&] { silt::ring_loads(sim, 1, 3); });
-  CHECK(has_words(no_ring, {"ring_loads: surface 0 of wall 1", "no Cylinder"}));
+  CHECK(has_words(no_ring, {"ring_loads: surface 0 of wall 1", "not a Cylinder"}));
   const auto none = refusal<silt::InputError>([&] { silt::ring_loads(sim, 0, 0); });
   CHECK(has_words(none, {"rings = 0", "at least 1"}));
 }

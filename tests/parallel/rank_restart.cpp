@@ -172,7 +172,7 @@ TEST_CASE("rank restart: blocks that are missing, cut off or of others are refus
     put(silt::detail::read_file(folder / "later.blocks/200.1"));
     has(refused(ranks), "is of step 100, but its block");
     put(silt::detail::read_file(folder / "other.blocks/100.1"));
-    has(refused(ranks), "which is of another run: take the blocks that were written with it");
+    has(refused(ranks), "which belongs to another run: use the blocks that were written with it");
     put(own);
     on(ranks, {}, [&](auto& sim) { CHECK_NOTHROW(load_checkpoint(sim, folder / "run")); });
   }
@@ -268,7 +268,7 @@ TEST_CASE("rank restart: on_failure keeps the state of all ranks, and what the f
   CHECK(words[0] == words[2]);
   has(words[0], "sphere 7 broke");
   has(words[0], "failure.txt");
-  has(words[0], "at_failure.silt is the state in which it failed");
+  has(words[0], "at_failure.silt is the state at the failure");
   int tables = 0;
   for (int r = 0; r < 3; ++r)
     tables += fs::exists(failed + "/particles_r" + std::to_string(r) + ".csv");

@@ -29,7 +29,7 @@ TEST_CASE("load: largest and mean work of the ranks, and whose it is") {
 }
 
 TEST_CASE("rebalance: due when the work lost by waiting has reached the cost of a decomposition") {
-  Rebalance when{.above = 1.05, .each = 5, .per_moved = 50};
+  Rebalance when{.above = 1.15, .each = 5, .per_moved = 50};
   const Load load{.largest = 1200, .mean = 1000, .rank = 0};
   // 100 points: 5 * 100 + 50 * 10 = 1000 = 5 steps of 200 lost.
   CHECK(when.cost(100) == near(1000));
@@ -40,6 +40,16 @@ TEST_CASE("rebalance: due when the work lost by waiting has reached the cost of 
   CHECK(when.cost(100) == near(500 + 50 * 30));
   CHECK_FALSE(when.due(load, 9, 100));
   CHECK(when.due(load, 1, 100));
+}
+
+TEST_CASE("rebalance: due at a quarter of the cost where a rank has far more than the mean") {
+  Rebalance when{.above = 1.05, .each = 5, .per_moved = 50};
+  // 100 points cost 1000: 3 steps of 100 lost are more than a quarter, 4 of 70 are not enough.
+  CHECK_FALSE(when.due({.largest = 1100, .mean = 1000, .rank = 0}, 2, 100));
+  CHECK(when.due({.largest = 1100, .mean = 1000, .rank = 0}, 1, 100));
+  when.parted(10);
+  CHECK_FALSE(when.due({.largest = 1070, .mean = 1000, .rank = 0}, 4, 100));
+  CHECK(when.due({.largest = 1081, .mean = 1000, .rank = 0}, 0, 100));  // of 280 lost before
 }
 
 TEST_CASE("rebalance: never below the imbalance that is allowed, however much was lost") {

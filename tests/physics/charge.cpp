@@ -388,8 +388,10 @@ TEST_CASE("charge: refusals") {
       sim.time_step = 1e-7, sim.run(0);
     });
   };
-  has(tribos({.work_functions = {}}), "particle 0 is of material 0, of which `work_functions`");
-  has(tribos({.work_functions = {4}}), "wall 0 is of material 1, of which `work_functions`");
+  has(tribos({.work_functions = {}}),
+      "particle 0 is of material 0, which has no value [eV] in `work_functions`");
+  has(tribos({.work_functions = {4}}),
+      "wall 0 is of material 1, which has no value [eV] in `work_functions`");
   has(tribos({.work_functions = {4, NAN}}), "TriboCharge.work_functions[1] = ");
   has(tribos({.work_functions = {4, 5}, .transfer_distance = 0}),
       "TriboCharge.transfer_distance = 0 [m]");

@@ -191,7 +191,7 @@ TEST_CASE("wear: what makes no sense is refused") {
                        Sliding{steel}, Cutting{ductile}};
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, smooth);
   CHECK(has(refusal([&] { sim.run(1e-4); }), "no wall of this simulation is a triangle mesh"));
-  CHECK(has(refusal([&] { silt::worn_volume<Sliding>(sim, 0); }), "is no triangle mesh"));
+  CHECK(has(refusal([&] { silt::worn_volume<Sliding>(sim, 0); }), "is not a triangle mesh"));
 }
 
 }  // namespace wear_test

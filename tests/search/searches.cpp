@@ -214,7 +214,7 @@ TEST_CASE_TEMPLATE("searches: a sphere that is not finite is refused with a sent
           sentence = error.what();
         }
         CHECK(sentence.find("sphere " + std::to_string(which) + " at (") != std::string::npos);
-        CHECK(sentence.find("no finite place or size") != std::string::npos);
+        CHECK(sentence.find("no finite position or size") != std::string::npos);
       }
   // It can be used again.
   silt::BruteForce oracle;

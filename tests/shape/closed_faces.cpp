@@ -128,7 +128,7 @@ TEST_CASE("closed_faces: what bounds no convex body is refused, each with its se
 TEST_CASE("closed_faces: closed surfaces that are not convex, flat or the right way out") {
   auto body = cube();
   for (auto& face : body.faces) std::reverse(face.begin(), face.end());
-  has(refused(body), "so that the body is not convex, or inside out");
+  has(refused(body), "the body is not convex, or its faces are reversed");
   body = cube();
   for (Vec3d& v : body.vertices) v = {0, 0, 0};
   has(refused(body), "face 0 has no area");
@@ -144,7 +144,7 @@ TEST_CASE("closed_faces: closed surfaces that are not convex, flat or the right 
           .convex_faces();
   for (Vec3d& v : octahedron.vertices)
     if (v.z > 0.5) v.z = -0.2;
-  has(refused(octahedron), "so that the body is not convex");
+  has(refused(octahedron), "the body is not convex");
   // A face whose corners turn twice around.
   std::vector<Vec3d> points;
   for (int k = 0; k < 5; ++k)

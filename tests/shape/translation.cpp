@@ -116,7 +116,7 @@ TEST_CASE("Multi-spheres: what has no mass properties in doubles is refused, wit
   refused("0 0 0 5e-324\n", {"line 1", "ball 0", "check its unit"});
   refused("0 0 0 1e60\n", {"line 1", "check its unit"});
   refused("0 0 0 -1\n", {"line 1", "radius of ball 0"});
-  refused("0 0 0 1\n1e7 0 0 1\n", {"lost in rounding", "nearer to each other"});
+  refused("0 0 0 1\n1e7 0 0 1\n", {"lost in rounding", "closer together"});
   std::remove(path.c_str());
 }
 

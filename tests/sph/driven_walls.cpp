@@ -114,7 +114,8 @@ TEST_CASE("SPH: a lid that is too light for the step is refused, and stands a sh
   const Slide light{.direction = {0, 0, -1}, .mass = 0.1, .force = 20};
   auto sim = cell(light, 1e-4);
   CHECK_THROWS_WITH_AS(
-      sim.run(0.01), doctest::Contains("wall 3 'lid' is too light beside the liquid for steps of"),
+      sim.run(0.01),
+      doctest::Contains("wall 3 'lid' is too light compared with the liquid for steps of"),
       SimulationError);
   // 0.1 kg/m are those of a layer of liquid 1 mm thick: a tenth of a spacing.
   auto slow = cell(light, 1e-5);
@@ -281,7 +282,7 @@ TEST_CASE("SPH: walls that a liquid cannot have are refused") {
   CHECK_THROWS_WITH_AS(
       water.add_wall(Plane{{0, 0, 0}, {0, 0, 1}},
                      {.name = "lid", .drive = Slide{.direction = {0, 0, 1}, .mass = 1}}),
-      doctest::Contains("wall 'lid' has a drive, which a liquid alone does not move; add the wall "
+      doctest::Contains("wall 'lid' has a drive, which needs a Simulation; add the wall "
                         "to a Simulation"),
       InputError);
   water.fill([](const Vec3d&) { return true; });

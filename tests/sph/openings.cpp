@@ -213,9 +213,9 @@ TEST_CASE("SPH openings: what cannot be is refused by name") {
   refused([](S, O o, P) { o.second_edge = {0, 0.1, 0}; }, "in 2D inlet 'one' lies in x and z");
   refused([](S s, O o, P) { s.dimensions = 3, s.region.max.y = 0.2, o.edge.y = 0; },
           "has an edge of 0 m");
-  refused([](S s, O, P) { s.periodic[0] = true; }, "faces x, in which the region repeats");
-  refused([](S, O, P p) { p.velocity = {-1, 0, 0}; }, "leads out of the liquid");
-  refused([](S, O, P p) { p.velocity = {1, 0, 0}; }, "leads into the liquid", false);
+  refused([](S s, O, P) { s.periodic[0] = true; }, "faces x, in which the region is periodic");
+  refused([](S, O, P p) { p.velocity = {-1, 0, 0}; }, "points out of the liquid");
+  refused([](S, O, P p) { p.velocity = {1, 0, 0}; }, "points into the liquid", false);
   refused([](S, O, P p) { p.velocity = {3, 0, 0}; }, "faster than a tenth of Liquid.sound_speed");
   refused([](S, O, P p) { p.velocity = {none, 0, 0}; }, "must be finite");
   refused([](S, O, P p) { p.velocity = {}; }, "has neither a velocity nor a pressure");
@@ -262,11 +262,11 @@ TEST_CASE("SPH openings: two that overlap, or that come late, or with small grai
                        InputError);
   Sph sand{liquid, setup, UnresolvedGrains{DiFelice{}, {.viscosity = 1e-3}}};
   CHECK_THROWS_WITH_AS(sand.add_outlet(at),
-                       doctest::Contains("openings and UnresolvedGrains do not go together"),
+                       doctest::Contains("openings and UnresolvedGrains cannot be combined"),
                        InputError);
   Sph books{liquid, setup, EnergyLedger{}};
   CHECK_THROWS_WITH_AS(books.add_outlet(at),
-                       doctest::Contains("openings and an EnergyLedger do not go together"),
+                       doctest::Contains("openings and an EnergyLedger cannot be combined"),
                        InputError);
 }
 

@@ -36,7 +36,7 @@ auto made(const Change& change) {
   };
 }
 // Read in observers that are given a constant simulation, such as a table's.
-static_assert(requires(const decltype(Sph{water, setup})& sph) { sph.wall_load(0); });
+static_assert(requires(const decltype(Sph{water, setup}) & sph) { sph.wall_load(0); });
 }  // namespace
 
 TEST_CASE("SPH: settings that cannot be are refused by name") {
@@ -56,7 +56,7 @@ TEST_CASE("SPH: settings that cannot be are refused by name") {
   refuses<InputError>(made([](auto&, auto& s) { s.periodic[0] = true, s.region.max.x = 0.05; }),
                       "less than two supports of the kernel");
   refuses<InputError>(made([](auto&, auto& s) { s.periodic[1] = true; }),
-                      "in 2D nothing repeats in y");
+                      "in 2D the region cannot be periodic in y");
   refuses<InputError>([] { Sph(water, setup, ArtificialViscosity{.alpha = -1}); },
                       "ArtificialViscosity.alpha = -1");
   refuses<InputError>([] { Sph(water, setup, LaminarViscosity{}); },
@@ -152,7 +152,7 @@ TEST_CASE("SPH: sound that is too slow for what the scene has is refused at the 
     sph.step(1e-5);
   };
   run(0.5, 0);  // 6.4 times
-  refuses<InputError>([&] { run(0.9, 0); }, "m/s, so that the liquid would be compressed by 4.");
+  refuses<InputError>([&] { run(0.9, 0); }, "m/s; the liquid would be compressed by 4.");
   refuses<InputError>([&] { run(0.9, 0); }, "a fall through the liquid's height of 0.89");
   refuses<InputError>([&] { run(0.2, 4.1); }, "times the speed of a wall, 4.");
 }
@@ -341,7 +341,7 @@ TEST_CASE("SPH: liquid behind a wall names it, a drop alone its density") {
                            "gone through wall 'floor' by ");
   refuses<SimulationError>(shot({0.1, 0, 0.15}, {0, 0, 5}, 1.01),
                            "take a larger Liquid.sound_speed, 50 ");
-  refuses<SimulationError>(shot({0.1, 0, 0.15}, {0, 0, 0.1}, 1.01), "a drop that has flown off");
+  refuses<SimulationError>(shot({0.1, 0, 0.15}, {0, 0, 0.1}, 1.01), "an isolated drop");
 }
 
 }  // namespace sph_refusals_test

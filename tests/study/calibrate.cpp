@@ -295,7 +295,7 @@ TEST_CASE("calibrate: a folder of other settings is refused, with what differs")
     return again(options(), two(), angles());
   };
   CHECK(has(damaged("a,b\n1,2\n"), "does not begin with the columns of this calibration"));
-  CHECK(has(damaged(good + "12,what\n"), "is no run of this calibration; remove it"));
+  CHECK(has(damaged(good + "12,what\n"), "is not a run of this calibration; remove it"));
   const auto second = good.find('\n', good.find('\n') + 1);
   CHECK(has(damaged(good.substr(0, second + 1) + "1,7,0,design,0.5,0.5,1,1,1,1,\n"),
             "row 1 is of point 7, repeat 0 in place of point 1, repeat 0"));
@@ -333,7 +333,7 @@ TEST_CASE("calibrate: what makes no sense is refused in one sentence") {
   CHECK(
       has(with([](auto&, auto& p, auto&) { p[0].most = std::nan(""); }), "has bounds 0.3 and nan"));
   CHECK(has(with([](auto&, auto& p, auto&) { p[0].least = 0, p[0].logarithmic = true; }),
-            "is logarithmic, so that its bound least = 0 must be above 0"));
+            "is logarithmic, hence its bound least = 0 must be above 0"));
   CHECK(has(with([](auto&, auto& p, auto&) { p[1].name = "restitution [-]"; }),
             "two parameters or targets are named 'restitution [-]'"));
   CHECK(has(with([](auto&, auto& p, auto&) { p[1].name = ""; }), "needs a name"));
@@ -384,7 +384,7 @@ TEST_CASE("calibrate: notes tell what the values are worth") {
   CHECK(has(cal.table(), "a and b are known together only (correlation -"));
   Calibration far{{.budget = 20}, ab, {{.name = "sum", .measured = 3, .error = 0.02}}};
   far.run(sum);
-  CHECK(has(far.table(), "no values within the bounds were found that give what was measured"));
+  CHECK(has(far.table(), "no values within the bounds reproduce the measurements"));
   CHECK(has(far.table(), "a is recommended at its bound 1"));
 }
 

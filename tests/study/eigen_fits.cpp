@@ -6,6 +6,8 @@
 
 #include <silt/eigen.hpp>
 
+#include "near.hpp"
+
 namespace eigen_fits_test {
 
 using silt::InputError;
@@ -111,6 +113,58 @@ TEST_CASE("eigen_fits: too few points, points without spread and no numbers are 
                        InputError);
   CHECK_THROWS_WITH_AS(silt::fit_sphere(flat), doctest::Contains("all points are in one plane"),
                        InputError);
+}
+
+// NIST's reference data set "Norris" (StRD, linear regression), with its certified values. Data and
+// values are recalled; that they agree to 10 digits confirms both. It would catch errors that
+// belong to another coefficient, or a scatter over n instead of n - 2.
+TEST_CASE("eigen_fits: a straight line has NIST's certified coefficients and standard errors") {
+  const std::vector<double> y{0.1,   338.8, 118.1, 888.0, 9.2,   228.1, 668.5, 998.5, 449.1,
+                              778.9, 559.2, 0.3,   0.1,   778.1, 668.8, 339.3, 448.9, 10.8,
+                              557.7, 228.3, 998.0, 888.8, 119.6, 0.3,   0.6,   557.6, 339.3,
+                              888.0, 998.5, 778.9, 10.2,  117.6, 228.9, 668.4, 449.2, 0.2};
+  const std::vector<double> x{0.2,   337.4, 118.2, 884.6, 10.1,  226.5, 666.3, 996.3, 448.6,
+                              777.0, 558.2, 0.4,   0.6,   775.5, 666.9, 338.0, 447.5, 11.6,
+                              556.0, 228.1, 995.8, 887.6, 120.2, 0.3,   0.3,   556.8, 339.1,
+                              887.2, 999.0, 779.0, 11.1,  118.3, 229.2, 669.1, 448.9, 0.5};
+  const auto line = silt::fit_straight_line(x, y);
+  CHECK(near_relative(line.intercept, -0.262323073774029, 1e-10));
+  CHECK(near_relative(line.slope, 1.00211681802045, 1e-12));
+  CHECK(near_relative(line.intercept_error, 0.232818234301152, 1e-10));
+  CHECK(near_relative(line.slope_error, 0.429796848199937e-3, 1e-10));
+}
+
+TEST_CASE("eigen_fits: coefficients keep their order where one column is far larger") {
+  // y = 3 a - 2 b exactly, columns of 1 and 1e6: the decomposition takes the larger first.
+  Eigen::MatrixXd x(5, 2);
+  Eigen::VectorXd y(5);
+  for (Eigen::Index k = 0; k < 5; ++k) {
+    const double a = std::cos(static_cast<double>(k)), b = 1e6 * std::sin(2 * static_cast<double>(k));
+    x.row(k) << a, b;
+    y[k] = 3 * a - 2 * b + (k == 2 ? 1e-3 : 0);
+  }
+  const auto fit = silt::fit_linear(x, y);
+  CHECK(std::abs(fit.value[0] - 3) < 4e-3);
+  CHECK(std::abs(fit.value[1] + 2) < 4e-9);
+  // The textbook's covariance, scatter^2 (X^T X)^-1.
+  const Eigen::MatrixXd inverse = (x.transpose() * x).inverse();
+  for (Eigen::Index k = 0; k < 2; ++k)
+    CHECK(near_relative(fit.error[k], fit.scatter * std::sqrt(inverse(k, k)), 1e-8));
+}
+
+TEST_CASE("eigen_fits: a fit without enough points or with dependent regressors is refused") {
+  const std::vector<double> one{1}, two{1, 2}, same{3, 3, 3}, three{1, 2, 3};
+  CHECK_THROWS_WITH_AS(silt::fit_straight_line(one, one),
+                       doctest::Contains("1 points are too few for 2 coefficients"), InputError);
+  CHECK_THROWS_WITH_AS(silt::fit_straight_line(three, two),
+                       doctest::Contains("3 rows of regressors for 2 values"), InputError);
+  CHECK_THROWS_WITH_AS(silt::fit_straight_line(same, three),
+                       doctest::Contains("depend linearly on each other (rank 1 of 2)"),
+                       InputError);
+  const std::vector<double> none{1, 2, std::numeric_limits<double>::infinity()};
+  CHECK_THROWS_WITH_AS(silt::fit_straight_line(three, none),
+                       doctest::Contains("all values must be finite"), InputError);
+  CHECK(silt::fit_straight_line(two, two).slope_error == 0);
 }
 
 }  // namespace eigen_fits_test

@@ -311,9 +311,9 @@ TEST_CASE("study: what makes no sense is refused with a sentence") {
     has(refusal(s, options), words);
   };
   const auto work = [&](StudyRun& run) { run.time([&] { clock.work(1); }); };
-  one("times nothing", [&](StudyRun& run) { run.error("miss", 1); });
-  one("takes no time that 'fake time' can measure", costs(clock, 0, 1));
-  one("tells no error", work);
+  one("measures no time", [&](StudyRun& run) { run.error("miss", 1); });
+  one("takes less time than 'fake time' can measure", costs(clock, 0, 1));
+  one("reports no error", work);
   one("two numbers named 'x'",
       [&](StudyRun& run) { work(run), run.error("x", 1), run.note("x", 1); });
   const auto height = [&](double h) {
@@ -354,8 +354,8 @@ TEST_CASE("study: the table and the CSV hold the numbers, names with commas in q
         "   variant    cost [ms]  spread  miss [mm]  steps [-]\n"
         "+  a, \"soft\"          2       -      0.125          -\n"
         "*  b                  4       -     0.0625         40\n"
-        "cost: fake time of one run, median of 1 round; spread: of the rounds, dearest less "
-        "cheapest, over the median\n"
+        "cost: fake time of one run, median of 1 round; spread: of the rounds, "
+        "(largest - smallest)/median\n"
         "* recommended, + on the front of cost and miss\n"
         "Recommended: b, the cheapest of which miss is at most 0.1 mm.\n");
   const Folder folder;

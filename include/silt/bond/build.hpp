@@ -22,16 +22,16 @@
 #include <silt/search/hashed_grid.hpp>
 #include <silt/shape/sphere.hpp>
 
-/// Bonded spheres: fibres, sheets, and what lies beside each other; and what holds together of
-/// them.
+/// Builders of bonded spheres: fibres, sheets, agglomerates and bonds of neighbours; and their
+/// fragments.
 
 namespace silt::inline SILT_TARGET {
 
-/// What bonded spheres have in common; an agglomerate draws radii of its own.
+/// Common properties of bonded spheres; an agglomerate draws its own radii.
 struct BondedGrain {
   double radius = 0;         // [m]
   double density = 0;        // [kg/m3]
-  std::size_t material = 0;  // [-] in the table of the contacts
+  std::size_t material = 0;  // [-] index in the table of the contacts
   Vec3d velocity{0, 0, 0};   // [m/s]
 
   Particles<Sphere>::Particle at(const Vec3d& position) const {
@@ -43,21 +43,21 @@ struct BondedGrain {
   }
 };
 
-/// Spheres and which of them are bonded, by their places.
+/// Spheres and their bonds, by positions in the list.
 struct BondedSpheres {
   std::vector<Particles<Sphere>::Particle> spheres;
   std::vector<std::pair<std::size_t, std::size_t>> bonds;
 };
 
-/// `count` equal spheres side by side from the centre `from` to the centre `to` [m], each bonded to
-/// the next. InputError: fewer than two, no way between, or so close that spheres two apart, which
-/// no bond keeps from being a contact, overlap.
+/// `count` equal spheres from the centre `from` to the centre `to` [m], each bonded to the next.
+/// InputError for fewer than two spheres, from = to, or a spacing so small that spheres two apart
+/// overlap; these are not bonded and would be in contact.
 inline BondedSpheres fibre(const Vec3d& from, const Vec3d& to, std::size_t count,
                            const BondedGrain& like) {
   require(count >= 2, "fibre: count = ", count, " [-] must be at least 2");
   const double length = norm(to - from);
   require(std::isfinite(length) && length > 0, "fibre: from ", from, " m to ", to,
-          " m there is no way");
+          " m there is no distance");
   const double apart = length / static_cast<double>(count - 1);
   require(count == 2 || apart >= like.radius * (1 - 1e-9), "fibre: ", count, " spheres of radius ",
           like.radius, " m from ", from, " m to ", to, " m are ", apart,
@@ -72,8 +72,8 @@ inline BondedSpheres fibre(const Vec3d& from, const Vec3d& to, std::size_t count
   return all;
 }
 
-/// A sheet of `m` x `n` spheres at corner + i/(m-1) u + j/(n-1) v [m], each bonded to its four
-/// neighbours, and across both diagonals if `braced`, which shear then strains.
+/// Sheet of `m` x `n` spheres at corner + i/(m-1) u + j/(n-1) v [m]. Each is bonded to its four
+/// neighbours; with `braced` also along both diagonals, which resist shear.
 inline BondedSpheres sheet(const Vec3d& corner, const Vec3d& u, const Vec3d& v, std::size_t m,
                            std::size_t n, const BondedGrain& like, bool braced = false) {
   require(m >= 2 && n >= 2, "sheet: ", m, " x ", n, " spheres: at least 2 x 2 are needed");
@@ -95,7 +95,7 @@ inline BondedSpheres sheet(const Vec3d& corner, const Vec3d& u, const Vec3d& v, 
 }
 
 namespace detail {
-/// Pairs of spheres, given by their centres and radii, that overlap.
+/// Pairs of overlapping spheres, given by centres and radii.
 template <class Domain>
 std::vector<IndexPair> overlapping(const AlignedVector<PositionRow>& spheres,
                                    const Domain& domain) {
@@ -108,9 +108,10 @@ std::vector<IndexPair> overlapping(const AlignedVector<PositionRow>& spheres,
 }
 }  // namespace detail
 
-/// An agglomerate: spheres packed into a region (a Box, a CylinderRegion, a closed TriangleMesh by
-/// MeshRegion; silt/fill/packing.hpp), each bonded to all whose surfaces are at most `gap` [m] from
-/// its own. `like` says all but radii. InputError: none fits, or `gap` is no number.
+/// Agglomerate: spheres packed into a region (a Box, a CylinderRegion, a closed TriangleMesh by
+/// MeshRegion; silt/fill/packing.hpp). Each is bonded to all others within a surface distance of
+/// `gap` [m]. `like` gives all properties except radii. InputError if no sphere fits, or `gap` is
+/// NaN.
 template <Region R>
 BondedSpheres agglomerate(const R& region, const FillRequest& request, double gap,
                           const BondedGrain& like) {
@@ -130,7 +131,7 @@ BondedSpheres agglomerate(const R& region, const FillRequest& request, double ga
 }
 
 namespace detail {
-/// Of each sphere, the first of those that hang together with it.
+/// For each sphere the first sphere of its connected piece.
 inline std::vector<std::size_t> first_of_pieces(const BondedSpheres& all) {
   std::vector<std::size_t> root(all.spheres.size());
   std::iota(root.begin(), root.end(), std::size_t{0});
@@ -145,7 +146,7 @@ inline std::vector<std::size_t> first_of_pieces(const BondedSpheres& all) {
   for (std::size_t k = 0; k < root.size(); ++k) root[k] = top(k);
   return root;
 }
-/// InputError: a bond of a sphere that is not there, or with itself.
+/// InputError for a bond of a sphere that does not exist, or with itself.
 inline void check_bonds(const BondedSpheres& all) {
   for (std::size_t k = 0; k < all.bonds.size(); ++k) {
     const auto& [a, b] = all.bonds[k];
@@ -156,7 +157,7 @@ inline void check_bonds(const BondedSpheres& all) {
 }
 }  // namespace detail
 
-/// How many pieces these spheres are before anything breaks. Loosely packed ones are often several.
+/// Number of connected pieces before anything breaks. Loose packings often have several.
 inline std::size_t pieces_of(const BondedSpheres& all) {
   detail::check_bonds(all);
   const auto root = detail::first_of_pieces(all);
@@ -164,7 +165,7 @@ inline std::size_t pieces_of(const BondedSpheres& all) {
   for (std::size_t k = 0; k < root.size(); ++k) count += root[k] == k;
   return count;
 }
-/// The piece with the most spheres alone, of equal ones the first.
+/// The piece with the most spheres; of equal ones the first.
 inline BondedSpheres largest_piece(const BondedSpheres& all) {
   detail::check_bonds(all);
   const auto root = detail::first_of_pieces(all);
@@ -180,19 +181,20 @@ inline BondedSpheres largest_piece(const BondedSpheres& all) {
   return piece;
 }
 
-/// The same spheres and bonds elsewhere: turned about the origin (rotation_about(axis, angle)),
-/// then moved by `shift` [m], flying at `velocity` [m/s]. InputError: `turn` is no unit quaternion.
+/// The same spheres and bonds at another place: rotated about the origin (rotation_about(axis,
+/// angle)), then moved by `shift` [m], with `velocity` [m/s]. InputError if `turn` is not a unit
+/// quaternion.
 inline BondedSpheres placed(BondedSpheres all, const Vec3d& shift, const Quaternion& turn = {},
                             const Vec3d& velocity = {0, 0, 0}) {
   require(std::abs(turn.w * turn.w + dot(turn.vector(), turn.vector()) - 1) < 1e-6,
           "placed: turn = (", turn.w, "; ", turn.vector(),
-          ") is no unit quaternion; rotation_about(axis, angle) gives one");
+          ") is not a unit quaternion; rotation_about(axis, angle) returns one");
   for (auto& p : all.spheres) p.position = rotate(turn, p.position) + shift, p.velocity = velocity;
   return all;
 }
 
-/// Adds spheres with their bonds, but for those of two fixed ones; returns the id of the first,
-/// which those of the others follow. InputError: a bond of a sphere that is not there.
+/// Adds spheres with their bonds, except bonds of two fixed spheres. Returns the id of the first;
+/// those of the others follow. InputError for a bond of a sphere that does not exist.
 template <class Sim>
 ParticleId add_bonded(Sim& sim, const BondedSpheres& all) {
   detail::check_bonds(all);
@@ -214,7 +216,7 @@ struct SphereSeen {
   double radius, mass;  // [m], [kg]
   bool fixed;
 };
-/// The spheres that are there, of all ranks (collective).
+/// All spheres of the simulation, of all ranks (collective).
 template <class Sim>
 std::vector<SphereSeen> all_spheres(const Sim& sim) {
   std::vector<SphereSeen> all;
@@ -228,7 +230,7 @@ std::vector<SphereSeen> all_spheres(const Sim& sim) {
   }
   return all;
 }
-/// Whether each of these pairs is bonded, on any rank (collective).
+/// Whether each of these pairs is bonded on any rank (collective).
 template <class Sim, class Pair>
 std::vector<bool> bonded_of_ranks(const Sim& sim, const std::vector<Pair>& pairs) {
   std::vector<double> is(pairs.size(), 0);
@@ -244,9 +246,9 @@ std::vector<bool> bonded_of_ranks(const Sim& sim, const std::vector<Pair>& pairs
 }
 }  // namespace detail
 
-/// Bonds all spheres whose surfaces are at most `gap` [m] apart and not bonded yet, unless both are
-/// fixed; with `chosen(id, id)` those alone for which it is true. Returns how many bonds were made.
-/// InputError: `gap` is negative or no number.
+/// Bonds all spheres within a surface distance of `gap` [m] that are not bonded yet, except two
+/// fixed ones; with `chosen(id, id)` only those for which it is true. Returns the number of bonds
+/// made. InputError if `gap` is negative or NaN.
 template <class Sim, class Chosen>
 std::size_t bond_near(Sim& sim, double gap, const Chosen& chosen) {
   require_not_negative("bond_near: gap", gap, "m");
@@ -266,7 +268,7 @@ std::size_t bond_near(Sim& sim, double gap, const Chosen& chosen) {
     const auto [i, j] = std::minmax(all[a].id, all[b].id);
     if (chosen(i, j)) pairs.push_back({i, j, !all[a].fixed || !all[b].fixed});
   }
-  std::sort(pairs.begin(), pairs.end());  // whatever the order in which they were found
+  std::sort(pairs.begin(), pairs.end());  // independent of the order of the search
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   std::vector<std::pair<ParticleId, ParticleId>> wanted;
   const auto bonded = detail::bonded_of_ranks(sim, pairs);
@@ -280,15 +282,15 @@ std::size_t bond_near(Sim& sim, double gap) {
   return bond_near(sim, gap, [](ParticleId, ParticleId) { return true; });
 }
 
-/// What hangs together by bonds: for each place of the simulation the number of its fragment, from
-/// 0 on in the order of the lowest ids; no_fragment where nobody is. A loose sphere is a fragment
-/// of its own. On many ranks numbers, sizes and masses are of all ranks' (collective).
+/// Fragments connected by bonds: for each place of the simulation the number of its fragment, from
+/// 0 in the order of the lowest ids; no_fragment for an empty place. A loose sphere is a fragment
+/// of its own. On many ranks numbers, sizes and masses are those of all ranks (collective).
 struct Fragments {
   static constexpr std::size_t no_fragment = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> of;       // each place
   std::vector<std::size_t> spheres;  // [-] in each fragment
-  std::vector<double> mass;          // [kg] of each; without fixed spheres
-  /// How many are of two spheres or more [-]: without loose ones, and those that only a wall holds.
+  std::vector<double> mass;          // [kg] of each, without fixed spheres
+  /// Number of fragments of at least two spheres [-]; spheres bonded only to a wall do not count.
   std::size_t bonded() const {
     return static_cast<std::size_t>(
         std::count_if(spheres.begin(), spheres.end(), [](std::size_t n) { return n > 1; }));

@@ -11,19 +11,19 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A dot of glue between two spheres: it bears force, but its ends turn freely about the point
-/// between them, as at a ball joint.
+/// Point bond between two spheres: it transmits force, but its ends rotate freely about the point
+/// between them, as in a ball joint.
 ///
 ///   F = -k_n s_n n - k_s s_s,  dashpots -2 damping sqrt(k m*) for both             (1)
-///   F_n <= tensile_strength (pull alone), |F_s| <= shear_strength                  (2)
+///   F_n <= tensile_strength (tension only), |F_s| <= shear_strength                (2)
 ///
-/// s: shift of i against j at the bond's middle (BondStrain), n along the bond, s across.
+/// s: displacement of i against j at the middle of the bond (BondStrain), n along the bond, s
+/// across.
 ///
 /// Source: the contact bond of D. O. Potyondy, P. A. Cundall, Int. J. Rock Mech. Min. Sci. 41
-/// (2004)
-///         1329 (recalled).
-/// Valid:  see BondStrain. Chains of it have no bending stiffness. Two spheres that roll on each
-///         other by the angle a draw it out by R a^2.
+///         (2004) 1329 (recalled).
+/// Valid:  see BondStrain. Chains have no bending stiffness. Two spheres that roll on each other by
+///         the angle a stretch the bond by R a^2.
 /// Units:  SI. Shapes: Real = double or batch, lane = bond.
 /// Errors: InputError naming field, value, unit and allowed range.
 /// Tests:  tests/bond/contact_bond.cpp.
@@ -42,7 +42,7 @@ struct ContactBond {
   struct Numbers {
     Real is_there;      // [-] 1; 0 in lanes without a bond
     Real root_mass;     // [kg^1/2] root of m*
-    Real per_strength;  // [-] one over the Weibull factor of both strengths
+    Real per_strength;  // [-] inverse Weibull factor of both strengths
   };
 
   void check() const {
@@ -75,7 +75,7 @@ struct ContactBond {
   template <class Real>
   SILT_INLINE Real load(const BondAnswer<Real>& a, const Vec3<Real>& n,
                         const Numbers<Real>& p) const {
-    const Real along = dot(a.force, n);  // on i: below 0 it pulls i back
+    const Real along = dot(a.force, n);  // on i: < 0 is tension
     const Vec3<Real> rest = a.force - n * along;
     return max(-along * Real(1 / tensile_strength),
                sqrt(dot(rest, rest)) * Real(1 / shear_strength)) *

@@ -14,8 +14,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A round rod of elastic glue between two spheres: it is stretched, sheared, twisted and bent, and
-/// breaks by the stress at its rim.
+/// Elastic cylindrical rod between two spheres, with tension, shear, torsion and bending. It breaks
+/// by the stress at its rim.
 ///
 ///   R_b = radius_ratio min(R_i, R_j), A = pi R_b^2, I = pi R_b^4/4, J = pi R_b^4/2
 ///   k_n = E A/L, k_s = k_n/stiffness_ratio, k_b = E I/L, k_t = E J/(stiffness_ratio L)      (1)
@@ -24,28 +24,28 @@ namespace silt::inline SILT_TARGET {
 ///   sigma = F_n/A + |M_s| R_b/I <= tensile_strength,                                         (4)
 ///   tau = |F_s|/A + |M_n| R_b/J <= shear_strength - sigma_n tan(friction_angle)
 ///
-/// L: centres apart when the bond is made; s, a: shift and turn of i against j (BondStrain), n
-/// along the bond, s across. sigma_n = F_n/A is tension alone. `damping` is the ratio to critical
-/// damping of the pair alone; in a chain a mode of the angular frequency w has damping w
-/// sqrt(m*/k_n).
+/// L: distance of the centres when the bond is made; s, a: displacement and rotation of i against j
+/// (BondStrain), n along the bond, s across. sigma_n = F_n/A counts only in tension. `damping` is
+/// the ratio to critical damping of the pair alone; in a chain a mode of the angular frequency w
+/// has damping w sqrt(m*/k_n).
 ///
 /// Source: D. O. Potyondy, P. A. Cundall, Int. J. Rock Mech. Min. Sci. 41 (2004) 1329, eqs. 12-17
-///         (recalled), whose increments (2) sums exactly.
-/// Valid:  see BondStrain. A chain of n bonds is a Timoshenko beam, (1) its E I and its shear
+///         (recalled); (2) is the exact sum of their increments.
+/// Valid:  see BondStrain. A chain of n bonds is a Timoshenko beam with E I by (1) and the shear
 ///         stiffness k_s L, with an error of second order in 1/n.
 /// Units:  SI. Shapes: Real = double or batch, lane = bond.
 /// Errors: InputError naming field, value, unit and allowed range.
 /// Tests:  tests/bond/beams.cpp, strength.cpp.
 struct ParallelBond {
   double youngs_modulus;         // [Pa] of the bond, > 0
-  double stiffness_ratio = 2.5;  // [-] k_n/k_s > 0; 2 (1 + nu) of a rod of the Poisson ratio nu
-  double radius_ratio = 1;       // [-] of the smaller sphere's radius, > 0
+  double stiffness_ratio = 2.5;  // [-] k_n/k_s > 0; 2 (1 + nu) for a rod of Poisson ratio nu
+  double radius_ratio = 1;       // [-] over the smaller sphere's radius, > 0
   double tensile_strength = std::numeric_limits<double>::infinity();  // [Pa] > 0
   double shear_strength = std::numeric_limits<double>::infinity();    // [Pa] > 0
   double friction_angle = 0;                                          // [rad] in [0, pi/2)
   double damping = 0.1;  // [-] >= 0, ratio to critical damping
   double weibull_modulus =
-      0;  // [-] both strengths are scattered by one Weibull factor of mean 1; 0: none
+      0;  // [-] scatter of both strengths by one Weibull factor of mean 1; 0: none
   static constexpr std::array names{
       "Young's modulus [Pa]", "k_n/k_s [-]",          "radius ratio [-]",  "tensile strength [Pa]",
       "shear strength [Pa]",  "friction angle [rad]", "damping ratio [-]", "Weibull modulus [-]"};
@@ -56,7 +56,7 @@ struct ParallelBond {
     Real radius;        // [m] R_b
     Real cn;            // [N s/m] 2 damping sqrt(k_n m*)
     Real turn_damping;  // [N s] 2 damping sqrt(k_n I*): times R_b/2, or R_b/sqrt(2 stiffness_ratio)
-    Real per_strength;  // [-] one over the Weibull factor of both strengths
+    Real per_strength;  // [-] inverse Weibull factor of both strengths
   };
 
   void check() const {
@@ -91,8 +91,8 @@ struct ParallelBond {
     return {split(s.shift, p.kn, per * p.kn), split(s.turn, kt, kb),
             split(s.shift_rate, p.cn, root * p.cn), split(s.turn_rate, ct, cb)};  // (2), (3)
   }
-  /// The lanes that hold for sure, by sums of components in place of lengths: without roots and
-  /// divisions, for the many bonds that are far from their strength.
+  /// Lanes that certainly hold, by sums of components in place of magnitudes: without roots and
+  /// divisions, for the many bonds far from their strength.
   bool holds_always() const { return std::isinf(tensile_strength) && std::isinf(shear_strength); }
   template <class Real>
   SILT_INLINE auto holds(const BondAnswer<Real>& a, const Vec3<Real>& n,
@@ -109,7 +109,7 @@ struct ParallelBond {
         max(sigma * Real(1 / tensile_strength), tau * Real(1 / shear_strength)) * p.per_strength;
     return most <= Real(std::numbers::pi) * p.radius * p.radius * p.radius;
   }
-  /// (4) of the springs.
+  /// (4) for the springs.
   template <class Real>
   SILT_INLINE Real load(const BondAnswer<Real>& a, const Vec3<Real>& n,
                         const Numbers<Real>& p) const {
@@ -117,7 +117,7 @@ struct ParallelBond {
       const Vec3<Real> rest = v - n * along;
       return sqrt(dot(rest, rest));
     };
-    const Real Fn = dot(a.force, n), Mn = dot(a.couple, n);  // on i: Fn < 0 pulls it back
+    const Real Fn = dot(a.force, n), Mn = dot(a.couple, n);  // on i: Fn < 0 is tension
     const Real per_R = Real(1) / max(p.radius, smallest<Real>());
     const Real per_area = Real(1 / std::numbers::pi) * per_R * per_R;
     const Real per_bend = Real(4) * per_area * per_R;  // R_b/I; R_b/J is half of it

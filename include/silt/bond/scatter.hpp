@@ -7,8 +7,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A factor of mean 1 for strengths, of a Weibull distribution: (-ln(1 - share))^(1/m) over
-/// Gamma(1 + 1/m). `share` [-] in (0, 1), uniform; `modulus` m [-], 0: no scatter.
+/// Factor of mean 1 for strengths, Weibull distributed: (-ln(1 - share))^(1/m) over Gamma(1 + 1/m).
+/// `share` [-] in (0, 1), uniform; `modulus` m [-], 0: no scatter.
 inline double weibull_factor(double share, double modulus) {
   if (!(modulus > 0)) return 1;
   return std::pow(-std::log1p(-share), 1 / modulus) / std::tgamma(1 + 1 / modulus);

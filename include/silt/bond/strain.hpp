@@ -7,22 +7,22 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The two spheres that a bond holds together: i against j, and how each is turned.
+/// The two spheres of a bond: i relative to j, and the orientation of each.
 template <class Real>
 struct BondedEnds {
-  Vec3<Real> apart;                                    // [m] x_i - x_j; in a periodic box the image
+  Vec3<Real> apart;                                    // [m] x_i - x_j; the image in a periodic box
   Vec3<Real> velocity;                                 // [m/s] v_i - v_j
   BasicQuaternion<Real> orientation_i, orientation_j;  // body to space
   Vec3<Real> spin_i, spin_j;                           // [rad/s]
 };
 
-/// A bond as it was made: without strain. Its middle is on the line between the centres.
+/// Reference state of a bond, without strain. Its middle is on the line between the centres.
 template <class Real>
 struct BondRest {
   Vec3<Real> apart;            // [m] x_i - x_j, in the axes of j
-  Real share;                  // [-] of it that is the arm of i
+  Real share;                  // [-] share of it that is the arm of i
   BasicQuaternion<Real> turn;  // axes of i in those of j
-  Real per_length;             // [1/m] one over the length of `apart`
+  Real per_length;             // [1/m] inverse length of `apart`
 
   static BondRest of(const Vec3<Real>& apart, const Real& share,
                      const BasicQuaternion<Real>& turn) {
@@ -30,28 +30,27 @@ struct BondRest {
   }
 };
 
-/// How a bond is strained: exactly, however far its ends turn and move together. All in space.
+/// Strain of a bond, exact for any common rotation and translation of its ends. All in space.
 ///
-/// Each end carries its own copy of the bond's middle, p_i and p_j. The bond is turned halfway
-/// between its ends: with r = q_i q_rest^-1 q_j^-1, the turn of i against j, its normal is that of
-/// j turned by sqrt(r).
+/// Each end has its own copy of the middle of the bond, p_i and p_j. The frame of the bond is
+/// halfway between its ends: with the rotation r = q_i q_rest^-1 q_j^-1 of i against j, its normal
+/// is that of j rotated by sqrt(r).
 ///
 ///   shift = p_i - p_j                                                             (1)
 ///   turn  = 2/3 w (4 - r0),  r = (r0, w)                                          (2)
 ///
-/// A turn by the angle a about one axis is a (1 - a^4/480) in (2): 2e-7 off at 0.1 rad, 2e-3 at
-/// 1 rad. What ends turn together does not enter. If a force f and a couple c on i are the
-/// derivatives of an energy U(shift, turn) that turns with the bond, then loads_of() gives loads
-/// that do the work -dU exactly, for any motion; momentum and angular momentum are kept to
-/// rounding:
+/// A rotation by the angle a about one axis is a (1 - a^4/480) in (2): an error of 2e-7 at 0.1 rad,
+/// 2e-3 at 1 rad. Common rotations of the ends have no effect. If a force f and a couple c on i are
+/// the derivatives of an energy U(shift, turn) in the frame of the bond, the loads of loads_of() do
+/// exactly the work -dU for any motion. Momentum and angular momentum are conserved to rounding:
 ///
 ///   force on i  f,  on j  -f,  both at (p_i + p_j)/2                              (3)
 ///   couple on i A c + (shift x f) x t / 2,  on j the opposite                      (4)
 ///   A = ((4 - r0) 1 + (2 r0 - 3)/(1 + r0) w w^T) / 3,  t = w / (1 + r0)            (5)
 ///
-/// Source: own derivation: seen by who turns with the bond, d(turn)/dt = A (w_i - w_j); the bond
-///   turns by (w_i + w_j)/2 - t x (w_i - w_j)/2.
-/// Valid:  turns of i against j below 2 rad or so; a bond that is turned by more is torn.
+/// Source: own derivation: in the frame of the bond d(turn)/dt = A (w_i - w_j); the frame rotates
+///         with (w_i + w_j)/2 - t x (w_i - w_j)/2.
+/// Valid:  rotations of i against j below about 2 rad; a real bond would break before.
 /// Shapes: Real = double or a SIMD batch, lane = bond.
 /// Tests:  tests/bond/strain.cpp (work of the loads, frame indifference, closed forms).
 template <class Real>
@@ -59,31 +58,31 @@ struct BondStrain {
   Vec3<Real> shift, turn;            // [m], [rad] of i against j
   Vec3<Real> shift_rate, turn_rate;  // [m/s], [rad/s]
   Vec3<Real> normal;                 // [-] unit, along the bond, from j to i
-  Vec3<Real> arm_i, arm_j;           // [m] from the centres to where the force acts
+  Vec3<Real> arm_i, arm_j;           // [m] from the centres to the point of the force
   Real r0;                           // [-] (2)
   Vec3<Real> w;                      // [-]
 };
 
-/// What a bond does to its ends.
+/// Loads of a bond on its ends.
 template <class Real>
 struct BondLoads {
-  Vec3<Real> force;               // [N] on i; on j the opposite
+  Vec3<Real> force;               // [N] on i; opposite on j
   Vec3<Real> torque_i, torque_j;  // [N m] about the centres
 };
 
-/// The strain of a bond; `like_i`: j's axes as the bond was made, turned as i has turned since.
+/// Strain of a bond; `like_i`: the axes of j in the reference state, rotated with i since then.
 template <class Real>
 SILT_INLINE BondStrain<Real> strain_of(const BondRest<Real>& rest, const BondedEnds<Real>& ends,
                                        const BasicQuaternion<Real>& like_i) {
   const Real half(0.5), one(1);
   BasicQuaternion<Real> r = like_i * conjugate(ends.orientation_j);
-  // Of the two quaternions of one rotation that of the shorter way.
+  // Of the two quaternions of a rotation, the one with the smaller angle.
   const Real sign = select(r.w < Real(0), Real(-1), one);
   BondStrain<Real> s;
   s.r0 = sign * r.w, s.w = r.vector() * sign;
-  // Turned by r, of_j is of_j + 2 r0 w x of_j + 2 w x (w x of_j); by sqrt(r) = (1 + r0, w) /
-  // sqrt(2 (1 + r0)), which turns the normal of j halfway to that of i, it is
-  // of_j + w x of_j + w x (w x of_j) / (1 + r0).
+  // Rotated by r, of_j is of_j + 2 r0 w x of_j + 2 w x (w x of_j). sqrt(r) = (1 + r0, w) / sqrt(2
+  // (1 + r0)) rotates the normal of j halfway to that of i: of_j + w x of_j + w x (w x of_j) / (1 +
+  // r0).
   const Vec3<Real> of_j = rotate(ends.orientation_j, rest.apart);
   const Vec3<Real> once = cross(s.w, of_j), twice = cross(s.w, once);
   const Vec3<Real> more = (once * s.r0 + twice) * Real(2);
@@ -101,8 +100,8 @@ SILT_INLINE BondStrain<Real> strain_of(const BondRest<Real>& rest, const BondedE
   return strain_of(rest, ends, ends.orientation_i * conjugate(rest.turn));
 }
 
-/// The loads of a force and a couple on i that go with the strain (derivatives of an energy), and
-/// of others that go with the rates (dashpots).
+/// Loads from a force and a couple on i that follow from the strain (derivatives of an energy), and
+/// from those that follow from its rate (dashpots).
 template <class Real>
 SILT_INLINE BondLoads<Real> loads_of(const BondStrain<Real>& s, const Vec3<Real>& force,
                                      const Vec3<Real>& couple, const Vec3<Real>& rate_force,

@@ -5,18 +5,18 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The lateral surface of a circular cylinder with its two rims; the ends are open.
+/// Lateral surface of a circular cylinder with its two rims; the ends are open.
 ///
-/// One-sided: `Side::Inside` holds particles in (a drum), `Side::Outside` keeps them out (a shaft).
-/// A centre behind the surface, within the length, has a negative distance. Beyond an end a sphere
-/// touches the rim, to which the free side passes over without a jump.
+/// One-sided: `Side::Inside` keeps particles inside (a drum), `Side::Outside` outside (a shaft). A
+/// centre behind the surface, within the length, has a negative distance. Beyond an end a sphere
+/// touches the rim. The distance is continuous there.
 /// Errors: check() names `Cylinder.from`, `.to` or `.radius`.
 /// Tests:  tests/boundary/cylinder.cpp
 struct Cylinder {
-  Vec3d from;     // [m] beginning of the axis
+  Vec3d from;     // [m] start of the axis
   Vec3d to;       // [m] end of the axis
   double radius;  // [m]
-  Side side;      // free for the particles
+  Side side;      // where the particles are
 
   static constexpr int max_contacts = 1;
 

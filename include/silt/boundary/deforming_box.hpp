@@ -14,15 +14,16 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What moves one component of a DeformingBox: a rate, or a stress that a servo keeps.
+/// Prescribes one component of the deformation of a DeformingBox: a rate, or a stress kept by a
+/// servo.
 struct BoxDrive {
-  double rate = 0;                 // [1/s] of strain; x, y, z: greater than 0 where it grows
-  std::optional<double> stress{};  // [Pa] x, y, z: compression > 0; xy, xz, yz: as a rate > 0 makes
-  double most_rate = 0;            // [1/s] > 0 with a stress: no faster in either direction
+  double rate = 0;                 // [1/s] strain rate; x, y, z: > 0 is extension
+  std::optional<double> stress{};  // [Pa] x, y, z: compression > 0; xy, xz, yz: sign of the rate
+  double most_rate = 0;            // [1/s] > 0, limit of the servo's rate in both directions
 };
 
-/// How a DeformingBox deforms: along its axes, and by simple shear. xy: the velocity along x grows
-/// with y, and so on. What is not named stays as it is.
+/// Deformation of a DeformingBox: along its axes, and by simple shear. xy: the velocity along x
+/// grows with y, and so on. Components that are not given do not change.
 ///   silt::Deformation{.z = {.rate = -0.1}, .xy = {.rate = 5}}
 struct Deformation {
   BoxDrive x{}, y{}, z{}, xy{}, xz{}, yz{};
@@ -37,26 +38,28 @@ struct BoxStress {
   double pressure() const { return (x + y + z) / 3; }
 };
 
-/// A box that repeats in all directions and deforms: compression and extension of each axis, simple
-/// shear (Lees and Edwards), each at a rate or by a servo that keeps a component of the stress.
+/// Box that is periodic in all directions and deforms by compression or extension of each axis and
+/// by simple shear (Lees and Edwards). Each component has a rate, or a servo that keeps a stress.
 ///
 ///   silt::DeformingBox cell{{{0, 0, 0}, {0.02, 0.02, 0.02}}};
 ///   sim.deform({.x = {.stress = 1e5, .most_rate = 1}, .z = {.rate = -0.01}});
 ///
-/// The velocity gradient L [1/s] is upper triangular. Particles follow its changes with
+/// The velocity gradient L [1/s] is upper triangular. A change of it changes particle velocities by
 ///   v += (L_new - L_old) (x - c) + dt L^2 (x - c),   c: the centre of the box              (1)
-/// so that no place of the box differs from any other (SLLOD equations). An image that is H n apart
-/// moves with L H n more, H: edges of the box; positions, contacts and wrapping use these
-/// velocities, in a form that is exact for finite steps.
-/// Servo: the rate e of a component whose target is p obeys, with the mass m of all particles,
+/// This makes the flow homogeneous: no place in the box is special (SLLOD equations). An image
+/// displaced by H n, with H the edges of the box, has an additional velocity L H n. Positions,
+/// contacts and wrapping use these velocities in a form that is exact for finite steps.
+///
+/// Servo: the rate e of a component with the target p follows, with the mass m of all particles,
 ///   m l^2/12 de/dt = V (P - p) - m l^2/12 g (e - b),   25 db/dt = g (e - b),               (2)
 ///   g = 2 sqrt(36 pressure/(largest overlap m/V l^2)): near-critical damping,
-/// between -most_rate and most_rate. It is passive: it supplies no energy but p's own.
+/// limited to [-most_rate, most_rate]. The servo is passive: the only work it supplies is that of
+/// p.
 /// Source: A. W. Lees, S. F. Edwards, J. Phys. C 5 (1972) 1921; P. J. Daivis, B. D. Todd, J. Chem.
 ///         Phys. 124 (2006) 194103 (SLLOD for all homogeneous flows); the servo is silt's own.
-/// Valid:  spheres without walls, inlets, outlets and fluid; at least three diameters long.
+/// Valid:  spheres without walls, inlets, outlets and fluid; edges of at least three diameters.
 /// Units:  SI.
-/// Errors: InputError for a box or a deformation that cannot be.
+/// Errors: InputError for an impossible box or deformation.
 /// Tests:  tests/engine/deforming_box.cpp, tests/physics/deforming_box.cpp.
 class DeformingBox {
  public:
@@ -73,13 +76,13 @@ class DeformingBox {
     edges_ = {e.x, e.y, e.z, 0, 0, 0};
     inverse_ = {1 / e.x, 1 / e.y, 1 / e.z};
   }
-  /// A template, so that {{...}, {...}} is a Box and nothing else.
+  /// A template, which makes {{...}, {...}} unambiguously a Box.
   template <std::same_as<Deformation> How>
   DeformingBox(const Box& box, const How& how) : DeformingBox(box) {
     deform(how);
   }
 
-  /// Deforms from the next step on as `how` says.
+  /// Deforms as `how` says, from the next step on.
   void deform(const Deformation& how) {
     static constexpr const char* names[6] = {"x", "y", "z", "xy", "xz", "yz"};
     const auto all = how.all();
@@ -92,16 +95,16 @@ class DeformingBox {
               " [Pa] must be finite");
       require(std::isfinite(d.most_rate) && d.most_rate > 0, "Deformation.", names[k],
               ".most_rate = ", d.most_rate,
-              " [1/s] must be finite and greater than 0 where a stress is kept");
+              " [1/s] must be finite and greater than 0 with a prescribed stress");
       require(d.rate == 0, "Deformation.", names[k],
-              " has a rate and a stress; one of them follows from the other, so leave one out");
+              " has both a rate and a stress; set only one, the other follows from it");
     }
     drives_ = how;
   }
 
-  // --- what users read ----------------------------------------------------------------------
+  // --- readings -----------------------------------------------------------------------------
 
-  /// The box without its shear: the brick whose images fill space, each row of them shifted.
+  /// The box without its shear: a cuboid whose images fill space, each row of them shifted.
   Box box() const {
     const Vec3d half = 0.5 * Vec3d{edges_.xx, edges_.yy, edges_.zz};
     return {centre_ - half, centre_ + half};
@@ -113,20 +116,21 @@ class DeformingBox {
   const Upper3& edges() const { return edges_; }          // [m] as columns
   const Vec3d& centre() const { return centre_; }
   const Deformation& deformation() const { return drives_; }
-  /// Of the particles in the last step, from contacts and velocities.
+  /// Stress of the particles in the last step, from contacts and velocities.
   const BoxStress& stress() const { return stress_; }
-  /// Of the box [1/s].
+  /// Velocity gradient of the box [1/s].
   const Upper3& gradient() const { return rate_; }
-  /// Since the start [-]: logarithms of the lengths' ratios, integrals of the shear rates.
+  /// Strain since the start [-]: logarithms of the length ratios, integrals of the shear rates.
   const Upper3& strain() const { return strain_; }
-  /// Of the box on the particles since the start [J].
+  /// Work of the box on the particles since the start [J].
   double work() const { return work_; }
-  /// The velocity [m/s] at p of the flow that the box imposes; particles have it, and their own.
+  /// Velocity [m/s] at p of the imposed flow. Particles move with it and with their own
+  /// fluctuation.
   Vec3d flow_at(const Vec3d& p) const { return seen_ * (p - centre_); }
 
-  // --- what searches and contacts need ------------------------------------------------------
+  // --- for searches and contacts --------------------------------------------------------------
 
-  /// The shortest of the images of a distance vector.
+  /// Shortest image of a distance vector.
   template <class Real>
   Vec3<Real> shortest(Vec3<Real> d) const {
     const Real z = turns(d.z, inverse_[2]);
@@ -136,12 +140,12 @@ class DeformingBox {
     d.x -= turns(d.x, inverse_[0]) * Real(edges_.xx);
     return d;
   }
-  /// How much faster [m/s] an image is that is so far [m] from its particle.
+  /// Additional velocity [m/s] of an image at the distance `shift` [m] from its particle.
   template <class Real>
   Vec3<Real> carried(const Vec3<Real>& shift) const {
     return step_gradient_ * shift;
   }
-  /// The image of a point inside box().
+  /// Image of a point inside box().
   Vec3d wrapped(Vec3d p) const {
     const Vec3d low = box().min;
     const double z = std::floor((p.z - low.z) * inverse_[2]);
@@ -151,13 +155,13 @@ class DeformingBox {
     p.x -= std::floor((p.x - low.x) * inverse_[0]) * edges_.xx;
     return p;
   }
-  /// How fast lengths may shrink [1/s]: minus the least principal value of the rate of strain.
+  /// Rate at which lengths may shrink [1/s]: minus the smallest principal value of the strain rate.
   double squeeze_rate() const {
     const auto v =
         principal({rate_.xx, rate_.yy, rate_.zz, rate_.xy / 2, rate_.yz / 2, rate_.xz / 2}).values;
     return std::max(0.0, -std::min({v.x, v.y, v.z}));
   }
-  /// A bound of the speed [m/s] that the box may give a particle.
+  /// Upper bound of the velocity [m/s] that the box imposes on a particle.
   double fastest() const {
     double most = 0;
     const auto all = drives_.all();
@@ -167,20 +171,20 @@ class DeformingBox {
     return most;
   }
 
-  // --- what the engine does with it ---------------------------------------------------------
+  // --- for the engine -------------------------------------------------------------------------
 
-  /// What the particles do in a step: sums F_a d_b over contacts [J], mass [kg], overlap over the
-  /// smaller radius [-].
+  /// Contributions of the particles in a step: sums F_a d_b over contacts [J], mass [kg], overlap
+  /// over the smaller radius [-].
   struct Loads {
     Upper3 virial;
     double largest_overlap;
   };
-  /// What (1) changes of the velocities [1/s], times the distance from the centre.
+  /// Change of the velocities by (1) [1/s], to multiply with the distance from the centre.
   struct Kick {
     Upper3 all;       // before the forces act
-    Upper3 too_much;  // of it, for velocities that are recorded at this instant
+    Upper3 too_much;  // part to remove from velocities recorded at this instant
   };
-  /// Chooses the rates of the next step, after the forces of this one are known.
+  /// Chooses the rates of the next step, after the forces of this step.
   Kick choose_rates(const Loads& loads, double dt, bool first) {
     book(loads.virial, dt);
     Upper3 jump{}, next{};
@@ -197,11 +201,11 @@ class DeformingBox {
     rate_ = next, seen_ = next - kick.too_much;
     return kick;
   }
-  /// Moves the box through a step; returns what it did to all distances.
+  /// Deforms the box over one step; returns the transformation of all distances.
   Upper3 advance(double dt) {
     const Upper3 step = Upper3::identity() + dt * rate_;
     require(step.xx > 0.5 && step.yy > 0.5 && step.zz > 0.5,
-            "DeformingBox: it shrinks by half in one step; lower its rates or the time step");
+            "DeformingBox: the box halves in one step; lower its rates or the time step");
     edges_ = step * edges_;
     step_gradient_ = seen_ = rate_ * step.inverse();
     strain_ = strain_ + Upper3{std::log(step.xx), std::log(step.yy), std::log(step.zz),
@@ -211,7 +215,7 @@ class DeformingBox {
     has_moved_ = true;
     return step;
   }
-  /// Of the particles, relative to the flow: sum m c_a c_b [J], in the step just done; mass [kg].
+  /// Kinetic part, relative to the flow: sum m c_a c_b [J] of the last step; mass [kg].
   void set_kinetic(const Upper3& sum, double mass) { kinetic_ = sum, mass_ = mass; }
 
   // --- for checkpoints ----------------------------------------------------------------------
@@ -230,7 +234,7 @@ class DeformingBox {
         s.push_back(v);
     return s;
   }
-  /// InputError if these numbers are no box's.
+  /// InputError if the numbers are not a valid state of a box.
   void restore(const std::vector<double>& s) {
     require(s.size() == state_size, "DeformingBox: a state of ", s.size(), " numbers, not ",
             state_size);
@@ -247,7 +251,7 @@ class DeformingBox {
          {&edges_, &rate_, &step_gradient_, &seen_, &strain_, &virial_, &kinetic_, &stress})
       *m = Upper3::of(six());
     require(edges_.xx > 0 && edges_.yy > 0 && edges_.zz > 0,
-            "DeformingBox: a state whose edges are not greater than 0");
+            "DeformingBox: the state has an edge of length <= 0");
     stress_ = {stress.xx, stress.yy, stress.zz, stress.xy, stress.xz, stress.yz};
     bias_ = six();
     const auto c = six();
@@ -268,14 +272,14 @@ class DeformingBox {
     const Real big(6755399441055744.0);  // rounds to the nearest integer, in any lane width
     return (d * Real(inverse) + big) - big;
   }
-  /// Takes the images in rows and layers that lie nearest, so that shear has no end.
+  /// Replaces the edges by the nearest images of rows and layers, which allows unlimited shear.
   void straighten() {
     const double z = std::nearbyint(edges_.yz / edges_.yy);
     edges_.yz -= z * edges_.yy, edges_.xz -= z * edges_.xy;
     edges_.xy -= std::nearbyint(edges_.xy / edges_.xx) * edges_.xx;
     edges_.xz -= std::nearbyint(edges_.xz / edges_.xx) * edges_.xx;
   }
-  /// Work since the last step, and stress.
+  /// Adds the work of the last step, and updates the stress.
   void book(const Upper3& virial, double dt) {
     if (has_moved_)
       work_ -= dt * (0.5 * (inner(virial_, rate_) + inner(virial, step_gradient_)) +
@@ -287,7 +291,7 @@ class DeformingBox {
   std::array<double, 6> pressures() const {
     return {stress_.x, stress_.y, stress_.z, -stress_.xy, -stress_.xz, -stress_.yz};
   }
-  /// (2)
+  /// Equation (2).
   double servo(std::size_t k, const BoxDrive& drive, double pressure, double overlap, double dt) {
     const double old = rate_.values()[k];
     if (!(mass_ > 0)) return old;
@@ -298,7 +302,7 @@ class DeformingBox {
     const double damping = 2 * std::sqrt(stiffness * volume() / inertia);  // [1/s]
     const double pushed = old + dt * volume() * (pressure - target) / inertia;
     const double rate = (pushed + dt * damping * bias_[k]) / (1 + dt * damping);
-    constexpr double slow = 25;  // inertia of what the damper is fixed to, over that of the box
+    constexpr double slow = 25;  // inertia behind the damper, over that of the box
     const double share = dt * damping / slow;
     bias_[k] = (bias_[k] + share * rate) / (1 + share);
     bias_[k] = std::clamp(bias_[k], -drive.most_rate, drive.most_rate);

@@ -9,11 +9,11 @@
 
 #include <silt/boundary/triangle_mesh.hpp>
 
-/// Walls of finite size, as meshes: particles touch them from both sides, roll over their edges and
-/// hit their corners as those of any mesh. Those bounded by straight lines are exact. A disc and a
-/// capped cylinder are polygons of `facets` sides inscribed in the circle: their rim lies inside it
-/// by up to R (1 - cos(pi/facets)), 0.12 % of R with 64; faces are exact planes. So does a sphere's
-/// mesh: of 320 facets by up to 1.8 % of R, and its volume is 3.4 % less than the sphere's.
+/// Walls of finite size, as meshes. Particles touch them from both sides, and touch their edges and
+/// corners as those of any mesh. Surfaces bounded by straight lines are exact. A disc and a capped
+/// cylinder are polygons of `facets` sides inscribed in the circle. Their rim lies inside the
+/// circle by up to R (1 - cos(pi/facets)), 0.12 % of R with 64 facets; their end faces are exact
+/// planes. A sphere of 320 facets lies inside by up to 1.8 % of R and has 3.4 % less volume.
 /// Units: SI. Errors: InputError for values that make no surface.
 /// Tests: tests/boundary/finite_walls.cpp
 
@@ -49,7 +49,7 @@ inline std::vector<Vec3d> polygon(const char* name, const Vec3d& centre, const V
 
 }  // namespace detail
 
-/// The parallelogram at `corner` [m] with the sides `a` and `b` [m].
+/// Parallelogram at `corner` [m] with the sides `a` and `b` [m].
 inline TriangleMesh rectangle(const Vec3d& corner, const Vec3d& a, const Vec3d& b) {
   require(is_finite(corner) && is_finite(a) && is_finite(b), "rectangle: corner = ", corner,
           ", a = ", a, " and b = ", b, " [m] must be finite");
@@ -63,7 +63,7 @@ inline TriangleMesh rectangle(const Vec3d& corner, const Vec3d& a, const Vec3d& 
 /// A face of a box.
 enum class Face { XLow, XHigh, YLow, YHigh, ZLow, ZHigh };
 
-/// The box from `min` to `max` [m] without the faces that are `open`; closed, its normals point
+/// Box from `min` to `max` [m] without the faces in `open`. If it is closed, its normals point
 /// outwards.
 inline TriangleMesh open_box(const Vec3d& min, const Vec3d& max,
                              std::initializer_list<Face> open = {Face::ZHigh}) {
@@ -82,12 +82,12 @@ inline TriangleMesh open_box(const Vec3d& min, const Vec3d& max,
     if (!is_open)
       detail::add_quad(all, at(faces[f][0]), at(faces[f][1]), at(faces[f][2]), at(faces[f][3]));
   }
-  require(!all.empty(), "open_box: all six faces are open, so that nothing is left");
+  require(!all.empty(), "open_box: all six faces are open; leave at least one closed");
   return TriangleMesh(all);
 }
 inline TriangleMesh box_mesh(const Vec3d& min, const Vec3d& max) { return open_box(min, max, {}); }
 
-/// A disc about `centre` [m], across `axis`.
+/// Disc with the centre `centre` [m] and the normal `axis`.
 inline TriangleMesh disc(const Vec3d& centre, const Vec3d& axis, double radius, int facets = 64) {
   const auto rim = detail::polygon("disc", centre, axis, radius, facets);
   detail::Triangles all;
@@ -96,7 +96,7 @@ inline TriangleMesh disc(const Vec3d& centre, const Vec3d& axis, double radius, 
   return TriangleMesh(all);
 }
 
-/// A solid cylinder from `from` to `to` [m] with both ends; `open` leaves the end at `to` out: a
+/// Solid cylinder from `from` to `to` [m] with both ends. `open` leaves out the end at `to`, for a
 /// bucket. Normals point outwards.
 inline TriangleMesh capped_cylinder(const Vec3d& from, const Vec3d& to, double radius,
                                     int facets = 64, bool open = false) {
@@ -111,8 +111,8 @@ inline TriangleMesh capped_cylinder(const Vec3d& from, const Vec3d& to, double r
   return TriangleMesh(all);
 }
 
-/// A sphere about `centre` [m] of 20 `parts`^2 triangles: an icosahedron, each of whose edges is
-/// cut into so many parts, with all corners at `radius` [m]. Normals point outwards.
+/// Sphere about `centre` [m] of 20 `parts`^2 triangles: an icosahedron with each edge divided into
+/// `parts`, and all vertices at `radius` [m]. Normals point outwards.
 inline TriangleMesh sphere_mesh(const Vec3d& centre, double radius, int parts = 4) {
   require(is_finite(centre), "sphere_mesh: centre = ", centre, " [m] must be finite");
   require(std::isfinite(radius) && radius > 0, "sphere_mesh: radius = ", radius,
@@ -140,7 +140,7 @@ inline TriangleMesh sphere_mesh(const Vec3d& centre, double radius, int parts = 
       }
   };
   const auto ring = [&](int k) { return at[static_cast<std::size_t>(1 + (k % 10))]; };
-  for (int k = 0; k < 10; k += 2) {  // even ones are of the upper ring
+  for (int k = 0; k < 10; k += 2) {  // even: upper ring
     cut(at[0], ring(k), ring(k + 2)), cut(at[11], ring(k + 3), ring(k + 1));
     cut(ring(k + 1), ring(k + 2), ring(k)), cut(ring(k + 1), ring(k + 3), ring(k + 2));
   }

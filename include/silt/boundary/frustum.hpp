@@ -10,17 +10,17 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Which side of a round wall is free for the particles.
+/// The side of a round wall on which the particles are.
 enum class Side { Inside, Outside };
 
 namespace detail {
 
-/// The lateral surface that Cylinder and Cone share, seen in the half plane through axis and
-/// centre: a segment from (0, radius_from) to (length, radius_to) in (axial, radial) coordinates.
+/// Lateral surface of Cylinder and Cone, in the half plane through axis and centre: a segment from
+/// (0, radius_from) to (length, radius_to) in (axial, radial) coordinates.
 ///
-/// On the free side the nearest point of the segment counts, so that the distance is continuous
-/// from the face around the rims. Behind the surface the distance is negative within the length;
-/// beyond the length only the rims are there.
+/// On the free side the distance is that to the nearest point of the segment; it is continuous from
+/// the face around the rims. Behind the surface the distance is negative within the length. Beyond
+/// the length only the rims are touched.
 struct Frustum {
   Vec3d from, to;                 // [m] ends of the axis
   double radius_from, radius_to;  // [m]
@@ -82,7 +82,7 @@ struct Frustum {
     double distance;  // [m] from the axis
   };
 
-  /// True, without a root, for most centres that are farther than `reach` from a straight wall.
+  /// True, without a square root, for most centres farther than `reach` from a straight wall.
   bool is_far(const Vec3d& arm, const Vec3d& along, double reach) const {
     if (radius_from != radius_to) return false;
     constexpr double rounding = 1e-9;
@@ -95,8 +95,9 @@ struct Frustum {
                                  : across2 + margin < edge * edge * L2;
   }
 
-  /// Radial unit vector and distance of a centre `arm` from the axis' beginning. On the axis, to
-  /// round-off, every direction is as good: the one nearest to the least aligned coordinate axis.
+  /// Radial unit vector and distance of a centre at `arm` from the start of the axis. On the axis,
+  /// to round-off, the direction is arbitrary: the one nearest to the least aligned coordinate
+  /// axis.
   static Radial split_radial(const Vec3d& arm, double z, const Vec3d& axis, double length) {
     constexpr double round_off = 1e-14;
     Vec3d across = arm - z * axis;
@@ -105,11 +106,11 @@ struct Frustum {
       const double ax = std::abs(axis.x), ay = std::abs(axis.y), az = std::abs(axis.z);
       across = ax <= ay && ax <= az ? Vec3d{1, 0, 0} : ay <= az ? Vec3d{0, 1, 0} : Vec3d{0, 0, 1};
     }
-    across -= dot(across, axis) * axis;  // again: cancellation leaves a share along the axis
+    across -= dot(across, axis) * axis;  // twice: cancellation leaves an axial part
     return {normalised(across), r};
   }
 
-  /// Half width of the unit disc across the axis, in the direction whose axis component is `a`.
+  /// Half width of the unit disc across the axis, in a direction with the axis component `a`.
   static double span(double a) { return std::sqrt(std::max(0.0, 1 - a * a)); }
 };
 

@@ -3,11 +3,11 @@
 
 #include <silt/boundary/triangle_mesh.hpp>
 
-/// The second half of TriangleMesh: from a sphere's centre to its contacts.
+/// Second part of TriangleMesh: contacts of a sphere, from its centre.
 
 namespace silt::inline SILT_TARGET {
 
-/// Face, edge or vertex, to round-off: `along` [m] from the beginning of an edge.
+/// Number of the face, edge or vertex, to round-off; `along` [m] from the start of an edge.
 inline std::uint32_t TriangleMesh::feature_on(std::uint32_t edge, double along) const {
   const auto& e = topology_.edges[edge];
   const auto faces = static_cast<std::uint32_t>(triangles_.size());
@@ -17,8 +17,9 @@ inline std::uint32_t TriangleMesh::feature_on(std::uint32_t edge, double along) 
   return faces + edge;
 }
 
-/// A triangle's nearest point, if nearer than `reach`. A centre over the triangle or beside it by
-/// round-off has the plane's own normal and distance, so that no seam shows on a flat surface.
+/// Nearest point of a triangle, if nearer than `reach`. A centre over the triangle, or beside it
+/// within round-off, gets exactly the normal and distance of the plane; a flat surface then has no
+/// seams.
 inline auto TriangleMesh::nearest(std::uint32_t triangle, const Vec3d& centre, double reach) const
     -> std::optional<Nearest> {
   const auto& corners = triangles_[triangle];
@@ -26,7 +27,7 @@ inline auto TriangleMesh::nearest(std::uint32_t triangle, const Vec3d& centre, d
   const double height = dot(centre - vertices_[corners[0]], normal);
   if (!(std::abs(height) < reach)) return {};
 
-  std::array<double, 3> beyond;  // [m] how far the centre is outside of each side, in the plane
+  std::array<double, 3> beyond;  // [m] distance of the centre outside each side, in the plane
   for (std::size_t k = 0; k < 3; ++k) {
     const auto& edge = topology_.edges[topology_.edges_of[triangle][k]];
     const double turn = edge.from == corners[k] ? 1 : -1;
@@ -49,7 +50,7 @@ inline auto TriangleMesh::nearest(std::uint32_t triangle, const Vec3d& centre, d
   return Nearest{{towards, std::abs(height), feature}, true, true};
 }
 
-/// The same for a centre that stands beside the triangle: the nearest of the sides it is beyond of.
+/// The same for a centre beside the triangle: the nearest of the sides that it is outside of.
 inline auto TriangleMesh::nearest_side(std::uint32_t triangle, const Vec3d& centre, double reach,
                                        const std::array<double, 3>& beyond, double height) const
     -> std::optional<Nearest> {
@@ -74,7 +75,7 @@ inline auto TriangleMesh::nearest_side(std::uint32_t triangle, const Vec3d& cent
       {arm * (1 / distance), distance, feature}, false, norm(beside) <= flatness(distance)};
 }
 
-/// True if no triangle that shares the edge or vertex of this nearest point comes nearer.
+/// True if no other triangle at this edge or vertex is nearer.
 inline bool TriangleMesh::is_minimum(const Nearest& contact, const Vec3d& centre) const {
   const auto feature = contact.point.feature;
   if (feature < triangles_.size()) return true;
@@ -89,7 +90,7 @@ inline bool TriangleMesh::is_minimum(const Nearest& contact, const Vec3d& centre
                       [&](std::uint32_t t) { return nearest(t, centre, nearer).has_value(); });
 }
 
-/// True if `other` is but another sight of the contact `deeper`: rules (a) and (b) of TriangleMesh.
+/// True if `other` repeats the contact `deeper`: rules (a) and (b) of TriangleMesh.
 inline bool TriangleMesh::is_same_contact(const Nearest& deeper, const Nearest& other) const {
   const SurfacePoint &a = deeper.point, &b = other.point;
   if (a.feature == b.feature || dot(a.normal, b.normal) > cos_smooth_) return true;
@@ -101,9 +102,9 @@ inline bool TriangleMesh::is_same_contact(const Nearest& deeper, const Nearest& 
   return norm(gap - dot(gap, along) * along) <= plane_tolerance_;
 }
 
-/// Deepest first, then by feature. Of those equally deep to what counts as the same plane, first a
-/// point over its face, which has the plane's exact normal, then one in the plane of its face but
-/// beside it, then a bump (a hanging node that rounding to float put above the plane).
+/// Order: deepest first, then by feature. Of points equally deep within the tolerance of a plane:
+/// first a point over its face, which has the exact normal of the plane; then one in the plane
+/// beside its face; then one above the plane (a hanging node raised by rounding to float).
 inline bool TriangleMesh::comes_before(const Nearest& a, const Nearest& b) const {
   const auto rank = [&](const Nearest& n) {
     return n.point.distance - plane_tolerance_ * (n.on_face ? 2 : n.flat ? 1 : 0);
@@ -117,7 +118,7 @@ int TriangleMesh::deepest_contacts(const Vec3d& centre, double reach,
                                    std::span<const std::uint32_t> candidates,
                                    SurfacePoint* out) const {
   std::array<Nearest, Most> kept;
-  std::array<std::uint32_t, 64> touched;  // those in reach, so that only the first round sees all
+  std::array<std::uint32_t, 64> touched;  // those in reach; only the first round scans all
   int count = 0;
   while (count < Most) {
     std::optional<Nearest> deepest;
@@ -135,7 +136,7 @@ int TriangleMesh::deepest_contacts(const Vec3d& centre, double reach,
     if (!deepest) break;
     kept[static_cast<std::size_t>(count)] = *deepest;
     out[count++] = deepest->point;
-    if (static_cast<std::size_t>(count) == in_reach) break;  // one a triangle at most
+    if (static_cast<std::size_t>(count) == in_reach) break;  // at most one per triangle
     if (in_reach <= touched.size()) candidates = {touched.data(), in_reach};
   }
   return count;

@@ -18,11 +18,11 @@
 #include <silt/boundary/vtp_mesh.hpp>
 #include <silt/files/text_lines.hpp>
 
-/// Surfaces from files of the usual kinds: STL, OBJ, PLY and VTP.
-/// Format: OBJ: Wavefront, Object Files, Advanced Visualizer manual, appendix B1, of which vertices
-///         and faces are taken; PLY, VTP and STL: ply.hpp, vtp_mesh.hpp, stl.hpp.
-/// Units:  files have none; silt takes metres, `scale` converts (1e-3 for a file in millimetres).
-/// Errors: FileError with the file, the line (of binary files the element), what is wrong and what
+/// Reads surfaces from STL, OBJ, PLY and VTP files. Format: OBJ: Wavefront, Object Files, Advanced
+/// Visualizer manual, appendix B1; only vertices and faces are used. PLY, VTP and STL: ply.hpp,
+/// vtp_mesh.hpp, stl.hpp.
+/// Units:  the files have none; silt expects metres, `scale` converts (1e-3 for a file in mm).
+/// Errors: FileError with the file, the line (in binary files the element), what is wrong and what
 ///         to change.
 /// Tests:  tests/boundary/mesh_file.cpp
 
@@ -32,7 +32,8 @@ enum class MeshFormat { ByContent, Stl, Obj, Ply, Vtp };
 
 namespace detail {
 
-/// Statements of OBJ that describe no surface: normals and texture, names, looks, points and lines.
+/// Statements of OBJ that do not describe a surface: normals, texture, names, appearance, points,
+/// lines.
 inline bool is_skipped_in_obj(std::string_view key) {
   constexpr std::array<std::string_view, 19> all{
       "vt",       "vn",       "vp",     "g",          "o",        "s", "mg",
@@ -42,7 +43,7 @@ inline bool is_skipped_in_obj(std::string_view key) {
 }
 
 inline Polygons parse_obj(const std::string& path, std::string_view content) {
-  // A backslash at its end joins a line to the next one; those after it keep their numbers.
+  // A backslash at the end joins a line to the next; the following lines keep their numbers.
   std::string joined;
   std::size_t taken = 0;
   for (std::size_t at = 0; at < content.size(); ++at) {
@@ -59,7 +60,7 @@ inline Polygons parse_obj(const std::string& path, std::string_view content) {
   Polygons out;
   out.file = lines.file();
   const auto corner = [&](std::string_view word) {
-    const auto number = word.substr(0, word.find('/'));  // of the point; texture and normal follow
+    const auto number = word.substr(0, word.find('/'));  // point, before texture and normal
     std::int64_t k = 0;
     const auto [stop, error] = std::from_chars(number.data(), number.data() + number.size(), k);
     if (error != std::errc() || stop != number.data() + number.size() || k == 0)
@@ -67,8 +68,8 @@ inline Polygons parse_obj(const std::string& path, std::string_view content) {
                  " names no point; they count from 1, or back from -1");
     const auto there = static_cast<std::int64_t>(out.points.size());
     if (k < -there || k > there)
-      lines.fail("the face's corner ", in_quotes(word), " names a point that is not there; ", there,
-                 " stand before this line");
+      lines.fail("the face's corner ", in_quotes(word), " names a point that does not exist; ",
+                 there, " precede this line");
     return static_cast<std::size_t>(k > 0 ? k - 1 : there + k);
   };
   while (lines.next()) {
@@ -82,19 +83,19 @@ inline Polygons parse_obj(const std::string& path, std::string_view content) {
       out.lines.push_back(lines.number());
     } else if (!is_skipped_in_obj(key)) {
       lines.fail(in_quotes(key),
-                 " is no statement of polygons; silt reads v and f, let the program "
+                 " is not a statement of a polygon mesh; silt reads v and f, let the program "
                  "that wrote the file export polygons or triangles");
     }
   }
   return out;
 }
 
-/// By what the file begins with; where that says nothing, by its name.
+/// Recognised by the first bytes of the file, else by its name.
 inline MeshFormat mesh_format_of(const std::string& path) {
   const std::string head = read_from(path, [](const File& file, std::uint64_t bytes) {
     std::string start(std::min<std::uint64_t>(bytes, 1024), '\0');
     file.read_at(0, start.data(), start.size());
-    // A binary STL file by its length, whatever its header says.
+    // A binary STL file has the length that its count implies, whatever its header says.
     if (bytes >= stl_header_bytes &&
         bytes == stl_header_bytes + stl_triangle_bytes * std::uint64_t{get_u32(&start[80])})
       return std::string("solid");
@@ -118,14 +119,14 @@ inline MeshFormat mesh_format_of(const std::string& path) {
   if (name.ends_with(".ply")) return MeshFormat::Ply;
   if (name.ends_with(".vtp")) return MeshFormat::Vtp;
   throw FileError(text("file '", path,
-                       "' is no mesh that silt knows by its first line or its name; it reads .stl, "
-                       ".obj, .ply and .vtp, or tell read_mesh the MeshFormat"));
+                       "' is not a mesh format known by its content or its name; silt reads .stl, "
+                       ".obj, .ply and .vtp; or pass the MeshFormat to read_mesh"));
 }
 
 }  // namespace detail
 
-/// The triangles of a mesh file, corners times `scale` [m per unit of the file]; polygons become
-/// fans of triangles. The format is recognised by the content, else by the name, or given.
+/// Triangles of a mesh file, corners times `scale` [m per unit of the file]. Polygons become
+/// triangle fans. The format is given, or recognised by the content, else by the name.
 inline std::vector<std::array<Vec3d, 3>> read_mesh(const std::string& path, double scale = 1,
                                                    MeshFormat format = MeshFormat::ByContent) {
   require_positive("read_mesh: scale", scale, "m per file unit");
@@ -141,8 +142,7 @@ inline std::vector<std::array<Vec3d, 3>> read_mesh(const std::string& path, doub
   });
 }
 
-/// The triangles of a mesh, as TriangleMesh and Polyhedron::from_mesh take them and write_stl and
-/// read_mesh have them.
+/// Triangles of a mesh, as used by TriangleMesh, Polyhedron::from_mesh, write_stl and read_mesh.
 inline std::vector<std::array<Vec3d, 3>> corners_of(const TriangleMesh& mesh) {
   std::vector<std::array<Vec3d, 3>> out;
   out.reserve(mesh.triangles().size());
@@ -151,7 +151,7 @@ inline std::vector<std::array<Vec3d, 3>> corners_of(const TriangleMesh& mesh) {
   return out;
 }
 
-/// A mesh as an STL file, binary unless asked for text.
+/// Writes a mesh as an STL file, binary by default.
 inline void write_stl(const std::string& path, const TriangleMesh& mesh,
                       StlFormat format = StlFormat::Binary) {
   write_stl(path, corners_of(mesh), format);

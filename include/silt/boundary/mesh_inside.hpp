@@ -3,7 +3,7 @@
 
 #include <silt/boundary/triangle_mesh.hpp>
 
-/// The third part of TriangleMesh: what a closed mesh encloses, and what is nearest.
+/// Third part of TriangleMesh: inside test and nearest point.
 
 namespace silt::inline SILT_TARGET {
 
@@ -17,15 +17,15 @@ inline double TriangleMesh::volume() const {
 
 inline bool TriangleMesh::contains(const Vec3d& point) const {
   require(closed_,
-          "TriangleMesh::contains: the mesh is not closed, so that it has no inside; "
-          "close its gaps or turn its triangles the same way round");
+          "TriangleMesh::contains: the mesh is not closed and has no inside; "
+          "close its gaps and orient its triangles the same way");
   if (!bounds().contains(point)) return false;
   if (const auto turns = turns_by_ray(point)) return *turns != 0;
   return std::abs(turns_by_solid_angle(point)) > 0.5;
 }
 
-/// How often the surface goes round the point: its signed crossings with the ray in +x. Nothing if
-/// the ray meets an edge or the point a face, to the welding tolerance.
+/// Winding number of the surface about the point: its signed crossings with the ray in +x. Empty if
+/// the ray meets an edge, or the point a face, within the welding tolerance.
 inline std::optional<int> TriangleMesh::turns_by_ray(const Vec3d& p) const {
   const double slack = 2 * weld_tolerance_;
   const auto ray_meets = [&](const Box& box) {
@@ -38,7 +38,7 @@ inline std::optional<int> TriangleMesh::turns_by_ray(const Vec3d& p) const {
     Box box;
     for (const auto v : triangles_[t]) box.include(vertices_[v]);
     if (!sure || !ray_meets(box)) return;
-    int left = 0;  // on how many sides the ray passes left of the edge, seen against the ray
+    int left = 0;  // number of sides that the ray passes on the left of the edge
     bool on_edge = false;
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3d& a = vertices_[triangles_[t][k]];
@@ -57,8 +57,8 @@ inline std::optional<int> TriangleMesh::turns_by_ray(const Vec3d& p) const {
   return sure ? std::optional(turns) : std::nullopt;
 }
 
-/// The same from the solid angles of all triangles (van Oosterom and Strackee, IEEE Trans. Biomed.
-/// Eng. 30 (1983) 125, eq. 8): a whole number but for round-off, wherever the point is. Slower.
+/// The winding number from the solid angles of all triangles (van Oosterom and Strackee, IEEE
+/// Trans. Biomed. Eng. 30 (1983) 125, eq. 8): an integer to round-off for every point, but slower.
 inline double TriangleMesh::turns_by_solid_angle(const Vec3d& point) const {
   double half_angle = 0;
   for (const auto& [i, j, k] : triangles_) {
@@ -74,7 +74,7 @@ inline SurfacePoint TriangleMesh::nearest_point(const Vec3d& centre) const {
   const Vec3d arm = centre - vertices_[triangles_.front().front()];
   const auto best = nearest_point(centre, std::sqrt(dot(arm, arm)) * (1 + 1e-9) + 2 * tolerance_);
   require(best.has_value(), "TriangleMesh: no triangle is nearest to ", centre,
-          " [m]; the place must be finite");
+          " [m]; the point must be finite");
   return *best;
 }
 

@@ -10,20 +10,20 @@
 
 #include <silt/boundary/triangle_mesh.hpp>
 
-/// The fourth part of TriangleMesh: its patches.
+/// Fourth part of TriangleMesh: its patches.
 
 namespace silt::inline SILT_TARGET {
 
-/// Divides the mesh into patches once and for all: triangles that hang together and look within 60
-/// degrees of the first one's normal, or of its opposite. Floor and walls of a box are patches, and
-/// so is rough ground. Patches start at the largest triangle that is left. Surfaces that meet
-/// without common corners hang together where the middle of a free side lies on another triangle.
+/// Divides the mesh into patches: connected triangles whose normals are within 60 degrees of that
+/// of the first triangle, or of its opposite. Floor and walls of a box are separate patches; rough
+/// ground is one. Each patch starts at the largest remaining triangle. Surfaces without common
+/// vertices are connected where the middle of a free side lies on another triangle.
 inline std::vector<std::uint32_t> TriangleMesh::find_patches() const {
   constexpr auto none = std::numeric_limits<std::uint32_t>::max();
   constexpr double least_cosine = 0.5;
   const auto count = static_cast<std::uint32_t>(triangles_.size());
 
-  // Neighbours across free sides, both ways.
+  // Neighbours across free sides, in both directions.
   std::vector<std::array<std::uint32_t, 2>> seams;
   std::vector<std::uint32_t> near;
   for (std::size_t e = 0; e < topology_.edges.size(); ++e) {

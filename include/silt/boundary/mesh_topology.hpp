@@ -17,7 +17,7 @@ namespace silt::inline SILT_TARGET::detail {
 
 using VertexTriple = std::array<std::uint32_t, 3>;
 
-/// Gives points that are equal within a tolerance one number, in the order of their first sight.
+/// Numbers points; points equal within a tolerance get one number. Numbers follow first occurrence.
 class VertexWelder {
  public:
   /// For up to `count` points not below `origin` in any coordinate.
@@ -27,7 +27,7 @@ class VertexWelder {
         tolerance_(tolerance),
         per_cell_(1 / (16 * tolerance)) {}
 
-  /// The nearest earlier point within the tolerance, else a new one.
+  /// The nearest earlier point within the tolerance, else a new point.
   std::uint32_t add(const Vec3d& point) {
     const Vec3d margin{tolerance_, tolerance_, tolerance_};
     const Cell low = cell(point - margin), high = cell(point + margin);
@@ -79,7 +79,7 @@ class VertexWelder {
   double tolerance_, per_cell_;
 };
 
-/// Lists of numbers, one a key, in one array: `list[key]` is a span.
+/// Lists of numbers, one per key, in one array; `list[key]` is a span.
 struct ListOfLists {
   std::vector<std::uint32_t> begin{0}, items;
 
@@ -88,15 +88,15 @@ struct ListOfLists {
   }
 };
 
-/// An edge of a welded mesh, from its lower to its higher vertex: the triangles that share it see
-/// the same numbers, bit for bit.
+/// Edge of a welded mesh, from its lower to its higher vertex. The triangles that share it use the
+/// same numbers, bit for bit.
 struct MeshEdge {
   std::uint32_t from, to;
   Vec3d direction;  // [-] unit
   double length;    // [m]
 };
 
-/// A corner pair of one triangle as an undirected edge.
+/// Side of a triangle as an undirected edge.
 struct EdgeUse {
   std::uint32_t low, high;
   std::uint32_t triangle, corner;  // runs from this corner of the triangle to the next
@@ -122,8 +122,8 @@ inline std::vector<EdgeUse> sorted_edge_uses(const std::vector<VertexTriple>& tr
   return uses;
 }
 
-/// True if every edge is run along as often forwards as backwards: the triangles, turned the same
-/// way round, leave no gap. Solids that share an edge (four triangles there) are closed too.
+/// True if every edge is traversed as often forwards as backwards: the triangles are consistently
+/// oriented and leave no gap. Solids that share an edge (four triangles there) are closed too.
 inline bool without_boundary(const std::vector<VertexTriple>& triangles) {
   const auto uses = sorted_edge_uses(triangles);
   int balance = 0;
@@ -134,7 +134,8 @@ inline bool without_boundary(const std::vector<VertexTriple>& triangles) {
   return balance == 0;
 }
 
-/// Unique edges of triangles with three different vertices, and who shares what.
+/// Unique edges of triangles with three different vertices, and the triangles at each edge and
+/// vertex.
 struct MeshTopology {
   std::vector<MeshEdge> edges;
   std::vector<VertexTriple> edges_of;  // of each triangle: from corner k to corner k + 1

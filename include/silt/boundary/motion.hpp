@@ -10,7 +10,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Where a rigid body is: maps body coordinates, in which its surface is given, to space.
+/// Pose of a rigid body: maps body coordinates, in which its surface is given, to space.
 struct Pose {
   Quaternion rotation;         // [-] unit
   Vec3d translation{0, 0, 0};  // [m] of the body's origin
@@ -24,17 +24,17 @@ struct Pose {
   friend bool operator==(const Pose&, const Pose&) = default;
 };
 
-/// A prescribed motion: the pose at a time [s]. Any function will do; it must be a pure function of
-/// time, so that a continued run moves the body as the first one would have.
+/// Prescribed motion: the pose at a time [s]. Any function is allowed if it depends on time only. A
+/// run restarted from a checkpoint then moves the body exactly as the original run.
 using Motion = std::function<Pose(double time)>;
 
-/// Moves with a constant velocity [m/s], from its place at time 0.
+/// Constant velocity [m/s] from the position at time 0.
 inline Motion translation(const Vec3d& velocity) {
   require(is_finite(velocity), "translation: velocity = ", velocity, " [m/s] must be finite");
   return [=](double time) { return Pose{{}, velocity * time}; };
 }
 
-/// What rotation() makes: a wall that has it takes its torque about `centre`.
+/// Result of rotation(). The torque of a wall with this motion is taken about `centre`.
 struct Rotation {
   Vec3d centre;  // [m]
   Vec3d axis;    // [-] unit
@@ -45,8 +45,8 @@ struct Rotation {
   }
 };
 
-/// Turns about the line through `centre` [m] along `axis` (any length) with `rate` [rad/s], by the
-/// right-hand rule.
+/// Rotation about the line through `centre` [m] along `axis` (any length) with `rate` [rad/s], by
+/// the right-hand rule.
 inline Motion rotation(const Vec3d& centre, const Vec3d& axis, double rate) {
   require(is_finite(centre), "rotation: centre = ", centre, " [m] must be finite");
   const double length = norm(axis);
@@ -56,8 +56,8 @@ inline Motion rotation(const Vec3d& centre, const Vec3d& axis, double rate) {
   return Rotation{centre, axis * (1 / length), rate};
 }
 
-/// Swings by A sin(2 pi f t + phase) - A sin(phase), so that it starts from its place at time 0.
-/// `amplitude` A [m] gives direction and size, `frequency` f is in [Hz], `phase` in [rad].
+/// Oscillation A sin(2 pi f t + phase) - A sin(phase); the displacement is 0 at time 0. `amplitude`
+/// A [m] gives direction and size, `frequency` f is in [Hz], `phase` in [rad].
 inline Motion vibration(const Vec3d& amplitude, double frequency, double phase = 0) {
   require(is_finite(amplitude), "vibration: amplitude = ", amplitude, " [m] must be finite");
   require_positive("vibration: frequency", frequency, "Hz");
@@ -68,7 +68,7 @@ inline Motion vibration(const Vec3d& amplitude, double frequency, double phase =
   };
 }
 
-/// `first` as seen in a frame that moves with `second`: a point goes through `first`, then
+/// `first` in a frame that moves with `second`: a point is transformed by `first`, then by
 /// `second`.
 inline Motion combined(Motion first, Motion second) {
   require(static_cast<bool>(first), "combined: the first motion is empty");
@@ -79,7 +79,7 @@ inline Motion combined(Motion first, Motion second) {
   };
 }
 
-/// `motion` that begins at the time `now` [s] as it otherwise does at 0:
+/// `motion` shifted in time: it begins at `now` [s] as it otherwise does at 0:
 ///   sim.set_motion("lid", silt::from(sim.time(), silt::translation({0, 0, -0.01})));
 inline Motion from(double now, Motion motion) {
   require(std::isfinite(now), "from: now = ", now, " [s] must be finite");

@@ -16,13 +16,13 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Triangles that show a surface.
+/// Triangles to display a surface.
 struct Outline {
   std::vector<Vec3d> points;  // [m]
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// The part of a plane inside the box `seen`.
+/// Part of a plane inside the box `seen`.
 [[gnu::cold]] inline Outline outline(const Plane& plane, const Box& seen) {
   const Vec3d e = seen.extent();
   const Box box = seen.grown(1e-6 * norm(e));
@@ -54,7 +54,7 @@ struct Outline {
   return out;
 }
 
-/// The lateral surface between two circles.
+/// Lateral surface between two circles.
 [[gnu::cold]] inline Outline lateral_outline(const Vec3d& from, const Vec3d& to, double r_from,
                                              double r_to) {
   constexpr std::uint32_t segments = 64;

@@ -11,13 +11,13 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// An infinite plane with free space on the side of its normal.
-/// One-sided: a centre behind it has a negative distance and is pushed back through.
+/// Infinite plane; the particles are on the side of its normal. One-sided: a centre behind it has a
+/// negative distance and is pushed back through the plane.
 /// Errors: check() names `Plane.point` or `Plane.normal`.
 /// Tests:  tests/boundary/plane.cpp
 struct Plane {
   Vec3d point;   // [m] any point of the plane
-  Vec3d normal;  // [-] towards the free side, of any length but zero
+  Vec3d normal;  // [-] towards the particles, any length except zero
 
   static constexpr int max_contacts = 1;
 
@@ -28,7 +28,7 @@ struct Plane {
             " [-] must be finite and not zero");
   }
 
-  /// Flat along an axis if the normal is parallel to it, else infinite.
+  /// Bounds: flat along an axis if the normal is parallel to it, otherwise infinite.
   Box bounds() const {
     constexpr double far = std::numeric_limits<double>::infinity();
     Box box{{-far, -far, -far}, {far, far, far}};
@@ -38,7 +38,7 @@ struct Plane {
     return box;
   }
 
-  /// The same plane with a normal of length 1, which contacts() need not normalise again.
+  /// The same plane with a unit normal, which contacts() need not normalise again.
   Plane unit() const {
     const double length = norm(normal);
     return std::isfinite(length) && length > 0 ? Plane{point, normalised(normal)} : *this;
@@ -54,7 +54,7 @@ struct Plane {
   }
 };
 
-/// The six walls of the box from `min` to `max` [m], free side inwards: x low, x high, y low, ...
+/// The six walls of the box from `min` to `max` [m], facing inwards: x low, x high, y low, ...
 inline std::vector<Plane> box_planes(const Vec3d& min, const Vec3d& max) {
   require(is_finite(min) && is_finite(max), "box: min = ", min, " and max = ", max,
           " [m] must be finite");

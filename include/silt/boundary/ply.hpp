@@ -17,10 +17,10 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A PLY file, text or binary with the lowest byte first: element vertex with x, y, z, element face
-/// with a list vertex_indices or vertex_index; all else is skipped.
-/// Format: G. Turk, The PLY Polygon File Format (1994), whose type names (char to double) and the
-///         later ones (int8 to float64) are taken.
+/// PLY file, text or little-endian binary: element vertex with x, y, z, and element face with a
+/// list vertex_indices or vertex_index. Everything else is skipped. Format: G. Turk, The PLY
+/// Polygon File Format (1994); its type names (char to double) and the later ones (int8 to float64)
+/// are accepted.
 /// Tests:  tests/boundary/mesh_file.cpp
 class PlyFile {
  public:
@@ -50,7 +50,7 @@ class PlyFile {
  private:
   struct Property {
     std::string name;
-    NumberType type, length;  // `length` is of the number of entries of a list
+    NumberType type, length;  // `length`: of the entry count of a list
     bool is_list, is_corners;
     int axis;  // 0, 1, 2: x, y, z of a vertex; -1: another
   };
@@ -99,7 +99,7 @@ class PlyFile {
     e.count = lines_.count("number of elements");
     for (const Element& other : elements_)
       if (other.name == e.name) lines_.fail("element ", in_quotes(e.name), " is named twice");
-    // Each takes a byte at least: what is announced cannot be more than there is.
+    // Each element takes at least one byte, which bounds the announced count.
     if (e.count > lines_.rest().size())
       lines_.fail("announces ", e.count, " elements ", in_quotes(e.name), ", but only ",
                   lines_.rest().size(), " bytes follow; the file is cut short or damaged");
@@ -107,7 +107,7 @@ class PlyFile {
   }
 
   void read_property_line() {
-    if (elements_.empty()) lines_.fail("a property stands before the first element");
+    if (elements_.empty()) lines_.fail("a property precedes the first element");
     Element& e = elements_.back();
     Property p{};
     auto type = lines_.word();
@@ -154,14 +154,14 @@ class PlyFile {
     if (corners != 1)
       lines_.fail(
           "the header has no element 'face' with one list vertex_indices or vertex_index; "
-          "a cloud of points is no surface");
+          "a point cloud is not a surface");
   }
 
   void read_property(const Property& p, bool vertices, bool faces) {
     std::uint64_t entries = 1;
     if (p.is_list) {
       const double length = value(p.length);
-      // Each entry takes a byte at least.
+      // Each entry takes at least one byte.
       if (!(length >= 0 && length <= static_cast<double>(content_.size())) ||
           length != std::floor(length))
         fail("a list has ", length, " entries; the file is damaged");

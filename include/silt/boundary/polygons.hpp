@@ -11,13 +11,13 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A surface as OBJ, PLY and VTP files have it: points, and faces that name them.
+/// A surface as in OBJ, PLY and VTP files: points, and faces given by point numbers.
 struct Polygons {
-  std::string file;                  // what messages begin with
+  std::string file;                  // prefix of messages
   std::vector<Vec3d> points;         // in the file's unit
-  std::vector<std::size_t> corners;  // numbers of points from 0, face after face
-  std::vector<std::size_t> ends;     // where those of each face end
-  std::vector<std::size_t> lines;    // that each face stands in; empty: unknown
+  std::vector<std::size_t> corners;  // point numbers from 0, face after face
+  std::vector<std::size_t> ends;     // end of each face in `corners`
+  std::vector<std::size_t> lines;    // line of each face in the file; empty: unknown
 
   std::string face(std::size_t f) const {
     return lines.empty() ? text(file, ", face ", f + 1, " of ", ends.size())
@@ -25,12 +25,12 @@ struct Polygons {
   }
 };
 
-/// Polygons as fans of triangles from their first corners; points times `scale` [m].
-/// Errors: FileError for no faces, a face of fewer than three corners, one that names a point that
-/// is not there, a point of a face that is not finite, and a polygon whose fan would fold back.
+/// Polygons as triangle fans from their first corner; points times `scale` [m].
+/// Errors: FileError for a file without faces, a face of fewer than three corners, a point number
+///         out of range, a point that is not finite, and a polygon whose fan would fold back.
 inline std::vector<std::array<Vec3d, 3>> fanned(const Polygons& p, double scale) {
   if (p.ends.empty())
-    throw FileError(text(p.file, " holds no faces; a surface needs triangles or polygons"));
+    throw FileError(text(p.file, " has no faces; a surface needs triangles or polygons"));
   std::vector<std::array<Vec3d, 3>> triangles;
   std::size_t begin = 0;
   for (std::size_t f = 0; f < p.ends.size(); begin = p.ends[f++]) {
@@ -53,7 +53,7 @@ inline std::vector<std::array<Vec3d, 3>> fanned(const Polygons& p, double scale)
       triangles.push_back({at(0), at(k - 1), at(k)});
       whole += cross(at(k - 1) - at(0), at(k) - at(0));
     }
-    // Of a concave polygon some triangle of the fan turns the other way round.
+    // In the fan of a concave polygon some triangle has the opposite orientation.
     for (std::size_t k = 2; k < corners && corners > 3; ++k)
       if (dot(cross(at(k - 1) - at(0), at(k) - at(0)), whole) < -1e-6 * dot(whole, whole))
         throw FileError(text(p.face(f), " is a concave polygon of ", corners,

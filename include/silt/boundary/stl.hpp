@@ -15,16 +15,16 @@
 #include <silt/core/vec3.hpp>
 #include <silt/files/atomic_file.hpp>
 
-/// Surfaces from and to STL files, the triangle soup that CAD programs export.
-/// Format: 3D Systems, StereoLithography Interface Specification (1988), sections 6.5 (ASCII, here
-///         in any letter case, several solids a file) and 6.6 (binary, little-endian floats).
-/// Units:  STL has none; silt takes metres, `scale` converts (1e-3 for a file in millimetres).
+/// Reads and writes STL files, the unconnected triangles that CAD programs export. Format: 3D
+/// Systems, StereoLithography Interface Specification (1988), sections 6.5 (ASCII, here in any
+/// letter case, several solids per file) and 6.6 (binary, little-endian floats).
+/// Units:  STL has none; silt expects metres, `scale` converts (1e-3 for a file in mm).
 /// Errors: FileError with file, line or triangle, what was found and what is expected.
 /// Tests:  tests/boundary/stl.cpp
 
 namespace silt::inline SILT_TARGET {
 
-/// How write_stl() writes: binary, or text.
+/// Format of write_stl(): binary or text.
 enum class StlFormat { Binary, Ascii };
 
 namespace detail {
@@ -36,7 +36,7 @@ template <class... Parts>
   throw FileError(text(parts...));
 }
 
-/// Four bytes, lowest first, on any machine.
+/// Four bytes, little-endian, on any machine.
 inline std::uint32_t get_u32(const char* bytes) {
   std::uint32_t value = 0;
   for (int k = 3; k >= 0; --k) value = value << 8 | static_cast<unsigned char>(bytes[k]);
@@ -55,7 +55,7 @@ inline std::vector<std::array<Vec3d, 3>> parse_binary_stl(std::string_view bytes
     return value;
   };
   for (auto& triangle : triangles) {
-    at += 12;  // normal: follows from the corners
+    at += 12;  // the normal follows from the corners
     for (auto& corner : triangle)
       corner.x = coordinate(), corner.y = coordinate(), corner.z = coordinate();
     at += 2;  // "attribute byte count"
@@ -63,7 +63,7 @@ inline std::vector<std::array<Vec3d, 3>> parse_binary_stl(std::string_view bytes
   return triangles;
 }
 
-/// Words and lines of an ASCII STL file.
+/// Tokens and lines of an ASCII STL file.
 class AsciiStl {
  public:
   AsciiStl(const std::string& path, std::string_view characters) : path_(path), rest_(characters) {}
@@ -84,7 +84,7 @@ class AsciiStl {
  private:
   std::array<Vec3d, 3> facet() {
     expect(next(), "normal");
-    for (int k = 0; k < 3; ++k) next();  // its value follows from the corners; often 0 or nan
+    for (int k = 0; k < 3; ++k) next();  // follows from the corners; often 0 or nan
     expect(next(), "outer");
     expect(next(), "loop");
     std::array<Vec3d, 3> corners;
@@ -126,7 +126,7 @@ class AsciiStl {
     rest_.remove_prefix(n);
     return word;
   }
-  /// The name of a solid: the rest of the line, but for facets that stand on it.
+  /// Name of a solid: the rest of the line, unless a facet begins on it.
   void skip_name() {
     const std::size_t end = std::min(rest_.find_first_of("\n\r"), rest_.size());
     AsciiStl line(path_, rest_.substr(0, end));
@@ -161,8 +161,8 @@ class AsciiStl {
   std::size_t line_ = 1;
 };
 
-/// Binary if the size is what the count in the header asks for, whatever the header's words; else
-/// text if there is no zero byte, of which every binary file has some.
+/// Binary if the size agrees with the count in the header, whatever the header says; else text if
+/// there is no zero byte, as every binary file has some.
 inline std::vector<std::array<Vec3d, 3>> parse_stl(const std::string& path) {
   return read_from(path, [&](const File& file, std::uint64_t bytes) {
     if (bytes == 0) stl_error("STL file ", path, " is empty");
@@ -231,11 +231,11 @@ inline std::string ascii_stl(const std::vector<std::array<Vec3d, 3>>& triangles)
 
 }  // namespace detail
 
-/// The triangles of an ASCII or binary STL file, corners times `scale` [m per unit of the file].
+/// Triangles of an ASCII or binary STL file, corners times `scale` [m per unit of the file].
 inline std::vector<std::array<Vec3d, 3>> read_stl(const std::string& path, double scale = 1) {
   require_positive("read_stl: scale", scale, "m per file unit");
   auto triangles = detail::parse_stl(path);
-  if (triangles.empty()) detail::stl_error("STL file ", path, " holds no triangles");
+  if (triangles.empty()) detail::stl_error("STL file ", path, " has no triangles");
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (auto& corner : triangles[t]) {
       const Vec3d in_file = corner;
@@ -248,8 +248,8 @@ inline std::vector<std::array<Vec3d, 3>> read_stl(const std::string& path, doubl
   return triangles;
 }
 
-/// Writes triangles [m]; replaces the file at once when all is written. Binary files round to
-/// float (7 digits), ASCII files keep every digit.
+/// Writes triangles [m]. The file is replaced only when all is written. Binary files round to float
+/// (7 digits), ASCII files keep every digit.
 inline void write_stl(const std::string& path, const std::vector<std::array<Vec3d, 3>>& triangles,
                       StlFormat format = StlFormat::Binary) {
   require(!triangles.empty() && triangles.size() <= std::numeric_limits<std::uint32_t>::max(),

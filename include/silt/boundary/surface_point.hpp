@@ -8,20 +8,21 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// One place where a surface comes nearest to a sphere's centre (a local minimum of the distance).
+/// Point of a surface that is locally nearest to a sphere's centre (a local minimum of the
+/// distance).
 ///
-/// A surface offers `static constexpr int max_contacts`, `Box bounds() const` (the surface itself,
-/// infinite where it is), `void check() const` (throws InputError; a mesh checks when it is built)
-/// and `int contacts(centre, reach, SurfacePoint* out) const`: how many places with distance <
-/// reach it wrote, deepest first, never more than max_contacts.
+/// A surface type has `static constexpr int max_contacts`, `Box bounds() const` (infinite where the
+/// surface is), `void check() const` (throws InputError; a mesh checks when it is built) and `int
+/// contacts(centre, reach, SurfacePoint* out) const`. The latter returns the number of points with
+/// distance < reach that it wrote, deepest first, at most max_contacts.
 struct SurfacePoint {
   Vec3d normal;           // [-] unit, from the surface to the centre
-  double distance;        // [m] along normal; < 0 where the centre is beyond a one-sided surface
+  double distance;        // [m] along normal; < 0 for a centre behind a one-sided surface
   std::uint32_t feature;  // face, edge or vertex of a mesh; 0 for primitives
 };
 
-/// True if `point` lies in the tangent plane of `surface` (both seen from the same centre) within
-/// `tolerance` [m]. A rim, edge or vertex there is a seam of that surface, not a second contact.
+/// True if `point` lies in the tangent plane of `surface` within `tolerance` [m], for the same
+/// centre. A rim, edge or vertex there is a seam of that surface, not a second contact.
 inline bool in_tangent_plane(const SurfacePoint& point, const SurfacePoint& surface,
                              double tolerance) {
   const double along = point.distance * dot(point.normal, surface.normal);

@@ -11,25 +11,27 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A surface of triangles, solid from both sides, whose contacts do not depend on how it was cut
-/// into triangles.
+/// Surface of triangles, solid from both sides. Its contacts do not depend on the triangulation.
 ///
 /// The contacts of a sphere are the local minima of the distance from its centre to the surface,
-/// each once. A triangle's nearest point on one of its edges or vertices is a minimum of the whole
-/// surface only if no triangle that shares this edge or vertex comes nearer. From the deepest
-/// (ties: lowest feature number) to the least deep, at most four are kept; one is left out
-///  (a) if it is an edge or vertex in the plane of a deeper face contact, or a point on the line of
+/// each counted once. If a triangle's nearest point is on an edge or vertex, it is a minimum of the
+/// whole surface only if no triangle that shares this edge or vertex is nearer. Points are taken
+/// from the deepest (ties: lowest feature number) to the least deep. At most four are kept. A point
+/// is dropped (a) if it is an edge or vertex in the plane of a deeper face contact, or a point on
+/// the line of
 ///      a deeper edge contact: hanging nodes, T-junctions, patches that share no vertices;
-///  (b) if its normal is within `smooth_angle` of a deeper one's: facets that meet at less than it
-///      are one smooth surface, as those of a drum. 0 keeps every crease as drawn; with more, a
-///      sphere in a crease that shallow touches one side at a time.
+/// (b) if its normal is within `smooth_angle` of that of a deeper one: facets that meet at a
+/// smaller
+///      angle are one smooth surface, such as a drum. 0 keeps every crease as drawn; otherwise a
+///      sphere in a crease shallower than `smooth_angle` touches one side at a time.
 ///
-/// Valid:   vertices within 1e-9 of the mesh's diagonal are one; thinner triangles are dropped and
-///          counted. A plane is one plane to 2.5e-7 of the largest coordinate (corners rounded to
-///          float, as in STL files) and to 1e-4 rad (what that makes of the smallest facets).
+/// Valid:   vertices within 1e-9 of the mesh's diagonal are merged; thinner triangles are dropped
+///          and counted. Points count as coplanar within 2.5e-7 of the largest coordinate (rounding
+///          of vertices to float in STL files) and within 1e-4 rad (its effect on the smallest
+///          facets).
 /// Errors:  the constructor throws InputError: no triangles, all degenerate, a vertex not finite,
 ///          smooth_angle outside [0, pi/2].
-/// Threads: all const members may be called at the same time; contacts() allocates nothing.
+/// Threads: all const members may be called concurrently; contacts() does not allocate.
 /// Tests:   tests/boundary/triangle_mesh.cpp, mesh_contacts.cpp
 class TriangleMesh {
  public:
@@ -44,52 +46,52 @@ class TriangleMesh {
   std::size_t dropped_triangles() const { return dropped_; }
   const std::vector<Vec3d>& normals() const { return normals_; }  // [-] of the triangles
   const detail::MeshTopology& topology() const { return topology_; }
-  /// Which patch each triangle belongs to (mesh_patches.hpp).
+  /// Patch of each triangle (mesh_patches.hpp).
   const std::vector<std::uint32_t>& patches() const { return patches_; }
   double cos_smooth_angle() const { return cos_smooth_; }
   double round_off() const { return tolerance_; }              // [m] in positions and distances
-  double plane_tolerance() const { return plane_tolerance_; }  // [m] of corners rounded to float
+  double plane_tolerance() const { return plane_tolerance_; }  // [m] of vertices rounded to float
 
   Box bounds() const { return tree_.bounds(); }
   double area() const { return area_; }  // [m2]
-  /// Enclosed volume [m3] of a closed mesh, positive if its triangles' normals point outwards.
+  /// Enclosed volume [m3] of a closed mesh; positive if the normals point outwards.
   double volume() const;
-  /// True if the triangles, turned the same way round, leave no gap.
+  /// True if the triangles are consistently oriented and leave no gap.
   bool is_closed() const { return closed_; }
-  /// True if `point` is enclosed, whichever way the triangles turn; on the surface, to round-off,
-  /// either. Throws unless the mesh is closed.
+  /// True if `point` is enclosed, for either orientation of the triangles. On the surface, to
+  /// round-off, the result is arbitrary. InputError unless the mesh is closed.
   bool contains(const Vec3d& point) const;
 
-  /// The triangles with distance < reach, ascending; replaces what was in `out`.
+  /// Triangles with distance < reach, ascending; replaces the content of `out`.
   void triangles_near(const Vec3d& centre, double reach, std::vector<std::uint32_t>& out) const;
 
-  /// From `centre` to one triangle [m].
+  /// Distance from `centre` to one triangle [m].
   double distance_to(std::uint32_t triangle, const Vec3d& centre) const {
     constexpr double far = std::numeric_limits<double>::infinity();
     const auto found = nearest(triangle, centre, far);
     return found ? found->point.distance : far;
   }
 
-  /// Where the surface comes nearest to `centre`, however far that is.
+  /// Nearest point of the surface to `centre`, at any distance.
   SurfacePoint nearest_point(const Vec3d& centre) const;
-  /// ... if that is nearer than `reach`; up to a rounding beyond it, it may be found too.
+  /// The same if nearer than `reach`; points beyond it by round-off may be found too.
   std::optional<SurfacePoint> nearest_point(const Vec3d& centre, double reach) const;
 
-  /// `candidates`: any numbers in ascending order that include all triangles with distance < reach.
-  /// The feature of a contact is a triangle's number, or the number of triangles + an edge's, or
-  /// those of triangles and edges + a vertex's.
+  /// `candidates`: numbers in ascending order that include all triangles with distance < reach. The
+  /// feature of a contact is the number of a triangle; for an edge the number of triangles + the
+  /// edge's number; for a vertex the numbers of triangles and edges + the vertex's number.
   int contacts(const Vec3d& centre, double reach, std::span<const std::uint32_t> candidates,
                SurfacePoint* out) const;
-  /// True if there are more than max_contacts, of which contacts() leaves out the least deep.
+  /// True if there are more than max_contacts; contacts() then drops the least deep.
   bool has_more_contacts(const Vec3d& centre, double reach,
                          std::span<const std::uint32_t> candidates) const;
 
  private:
-  /// Where one triangle comes nearest.
+  /// Nearest point of one triangle.
   struct Nearest {
     SurfacePoint point;
-    bool on_face;  // the centre stands over the triangle
-    bool flat;     // ... or beside it by no more than what counts as the same plane
+    bool on_face;  // the centre is over the triangle
+    bool flat;     // or beside it within the tolerance of a plane
   };
 
   static Box checked_bounds(const std::vector<std::array<Vec3d, 3>>& soup);
@@ -108,7 +110,7 @@ class TriangleMesh {
   int deepest_contacts(const Vec3d& centre, double reach, std::span<const std::uint32_t> candidates,
                        SurfacePoint* out) const;
 
-  /// [m] off a plane, `distance` away from the centre, that still counts as in it.
+  /// [m] tolerance of being in a plane, at `distance` from the centre.
   double flatness(double distance) const { return plane_tolerance_ + 1e-4 * distance; }
 
   bool is_edge(std::uint32_t feature) const {
@@ -120,7 +122,7 @@ class TriangleMesh {
 
   double cos_smooth_;
   double weld_tolerance_ = 0;   // [m]
-  double plane_tolerance_ = 0;  // [m] of corners that may have been rounded to float
+  double plane_tolerance_ = 0;  // [m] for vertices rounded to float
   double tolerance_ = 0;        // [m] round-off in positions and distances
   std::vector<Vec3d> vertices_;
   std::vector<detail::VertexTriple> triangles_;
@@ -135,11 +137,12 @@ class TriangleMesh {
 
 inline TriangleMesh::TriangleMesh(const std::vector<std::array<Vec3d, 3>>& soup,
                                   double smooth_angle) {
-  // Numbers of faces, edges and vertices share 32 bits: at most 1 + 3 + 3 features a triangle.
+  // Numbers of faces, edges and vertices share 32 bits: at most 1 + 3 + 3 features per triangle.
   require(!soup.empty() && soup.size() < (1u << 29), "TriangleMesh: ", soup.size(),
           " triangles given; there must be at least 1 and fewer than 2^29");
   require_in("TriangleMesh: smooth_angle", smooth_angle, "rad", 0, std::numbers::pi / 2);
-  cos_smooth_ = std::min(std::cos(smooth_angle), 1 - 1e-10);  // equal normals are equal at 0 too
+  cos_smooth_ = std::min(std::cos(smooth_angle), 1 - 1e-10);  // equal normals count as equal at 0
+                                                              // too
   const Box all = checked_bounds(soup);
   const double largest = std::max({std::abs(all.min.x), std::abs(all.min.y), std::abs(all.min.z),
                                    std::abs(all.max.x), std::abs(all.max.y), std::abs(all.max.z)});
@@ -171,7 +174,7 @@ inline void TriangleMesh::weld(const std::vector<std::array<Vec3d, 3>>& soup, co
   if (weld_tolerance_ > 0) {
     detail::VertexWelder welder(3 * soup.size(), origin, weld_tolerance_);
     for (const auto& [a, b, c] : soup) {
-      // One after the other: the numbers follow the order of the corners.
+      // In sequence: the numbers follow the order of the corners.
       const auto i = welder.add(a), j = welder.add(b), k = welder.add(c);
       welded.push_back({i, j, k});
     }
@@ -192,7 +195,7 @@ inline void TriangleMesh::weld(const std::vector<std::array<Vec3d, 3>>& soup, co
   dropped_ = soup.size() - triangles_.size();
   require(!triangles_.empty(), "TriangleMesh: all ", soup.size(),
           " triangles are degenerate (two corners in one place, or three on one line)");
-  closed_ = detail::without_boundary(welded);  // needles that fill a T-junction belong to it
+  closed_ = detail::without_boundary(welded);  // includes needles that fill a T-junction
 }
 
 inline void TriangleMesh::triangles_near(const Vec3d& centre, double reach,

@@ -11,10 +11,11 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Boxes within boxes around triangles, for "which are near this point".
+/// Tree of bounding boxes of triangles, for queries near a point.
 ///
-/// A tree and not a uniform grid, as CAD surfaces mix facets of very different sizes: its memory is
-/// one node for every two triangles or so whatever their sizes, and a query visits few of them.
+/// A tree is used instead of a uniform grid because CAD surfaces mix facets of very different
+/// sizes. Its memory is about one node for two triangles for any sizes, and a query visits few
+/// nodes.
 class TriangleTree {
  public:
   TriangleTree() = default;
@@ -25,13 +26,13 @@ class TriangleTree {
 
   const Box& bounds() const { return nodes_.front().box; }
 
-  /// Calls `visit(triangle)` for the triangles of every leaf that comes within `reach` of `point`.
+  /// Calls `visit(triangle)` for the triangles of every leaf within `reach` of `point`.
   template <class Visit>
   void for_each_near(const Vec3d& point, double reach, Visit&& visit) const {
     for_each([&](const Box& box) { return squared_distance(box, point) <= reach * reach; }, visit);
   }
 
-  /// The same, nearest boxes first, while `visit` may lower `reach`.
+  /// The same, nearest boxes first; `visit` may lower `reach`.
   template <class Visit>
   void for_each_nearer(const Vec3d& point, const double& reach, Visit&& visit) const {
     struct Due {
@@ -54,7 +55,8 @@ class TriangleTree {
     }
   }
 
-  /// Calls `visit(triangle)` for the triangles of every leaf whose box and all around it `meets`.
+  /// Calls `visit(triangle)` for the triangles of every leaf for which `meets` accepts its box and
+  /// all boxes around it.
   template <class Meets, class Visit>
   void for_each(Meets&& meets, Visit&& visit) const {
     for (std::size_t i = 0; i < nodes_.size();) {
@@ -69,7 +71,7 @@ class TriangleTree {
   }
 
  private:
-  /// Depth-first: the subtree of node i is [i, skip_to). Leaves alone hold triangles.
+  /// Depth-first: the subtree of node i is [i, skip_to). Only leaves hold triangles.
   struct Node {
     Box box;
     std::uint32_t first, last, skip_to;

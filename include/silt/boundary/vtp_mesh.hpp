@@ -17,8 +17,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The polygons of a VTK PolyData file (.vtp) in XML: points and polygons of all pieces, as text or
-/// appended as raw bytes. Fields, vertices and lines are skipped.
+/// Polygons of a VTK PolyData file (.vtp) in XML: points and polygons of all pieces, as text or as
+/// appended raw bytes. Fields, vertices and lines are skipped.
 /// Format: VTK documentation, XML File Formats, and the wiki page VTK XML Formats.
 /// Tests:  tests/boundary/mesh_file.cpp
 class VtpFile {
@@ -46,12 +46,12 @@ class VtpFile {
         keep_array(section);
     }
     if (!has_root)
-      throw FileError(text(file_, " has no element VTKFile; it is not of this format"));
+      throw FileError(text(file_, " has no element VTKFile; it is not a VTK XML file"));
     return std::move(out_);
   }
 
  private:
-  /// Where the values of an array stand, and of which type.
+  /// Position and type of the values of an array.
   struct Array {
     std::string_view name;
     NumberType type;
@@ -60,7 +60,7 @@ class VtpFile {
     std::size_t line;   // of its element
   };
 
-  /// Raw bytes may look like anything: elements are looked for before them alone.
+  /// Raw bytes may contain anything: elements are searched only before them.
   void find_appended() {
     xml_ = content_;
     const auto at = content_.find("<AppendedData");
@@ -98,7 +98,7 @@ class VtpFile {
     }
   }
 
-  /// The value of an attribute of the present element, or nothing.
+  /// Value of an attribute of the present element, if any.
   std::optional<std::string_view> attribute(std::string_view key) const {
     for (std::size_t at = 0; (at = attributes_.find(key, at)) != attributes_.npos; ++at) {
       const auto equals = at + key.size();
@@ -127,7 +127,7 @@ class VtpFile {
   void check_root() {
     if (attribute("type") != "PolyData")
       fail("type = ", in_quotes(attribute("type").value_or("")),
-           " of VTKFile is no surface; let ParaView save the surface as PolyData (.vtp)");
+           " of VTKFile is not a surface; save the surface as PolyData (.vtp), e.g. in ParaView");
     if (attribute("compressor"))
       fail("the arrays are compressed; save the file without compression");
     if (const auto order = attribute("byte_order"); order && *order != "LittleEndian")
@@ -240,7 +240,7 @@ class VtpFile {
     std::memcpy(&length, bytes_.data() + a.begin, head);
     if (length > bytes_.size() - a.begin - head || length % one != 0)
       fail_at(a, "has ", length, " bytes by its header, in which only ",
-              bytes_.size() - a.begin - head, " follow and a number takes ", one,
+              bytes_.size() - a.begin - head, " follow and a number has ", one,
               "; the file is cut short or damaged");
     out.reserve(length / one);
     for (std::size_t k = 0; k < length; k += one)

@@ -26,7 +26,7 @@ namespace silt::inline SILT_TARGET {
 /// One surface of a wall, in the wall's own coordinates.
 using Surface = std::variant<Plane, Cylinder, Cone, std::shared_ptr<const TriangleMesh>>;
 
-/// The surfaces that make one wall: a single one, or several as in `silt::box`.
+/// Surfaces that form one wall: a single one, or several as in `silt::box`.
 struct Surfaces {
   Surfaces(const Plane& plane) : parts{plane.unit()} {}    // NOLINT: a plane is a wall
   Surfaces(const Cylinder& cylinder) : parts{cylinder} {}  // NOLINT
@@ -37,27 +37,26 @@ struct Surfaces {
   std::vector<Surface> parts;
 };
 
-/// Six planes around a box, seen from inside. InputError unless min < max.
+/// Six planes around a box, facing inwards. InputError unless min < max.
 inline Surfaces box(const Vec3d& min, const Vec3d& max) {
   std::vector<Surface> parts;
   for (const auto& plane : box_planes(min, max)) parts.emplace_back(plane);
   return Surfaces(std::move(parts));
 }
 
-/// A wall from the triangles of an STL file; lengths are multiplied by `scale` (1e-3 for files in
-/// mm).
+/// Wall from the triangles of an STL file; lengths are multiplied by `scale` (1e-3 for mm).
 inline Surfaces stl_wall(const std::string& path, double scale = 1) {
   return TriangleMesh(read_stl(path, scale));
 }
 
-/// Likewise of an STL, OBJ, PLY or VTP file, which is recognised by its content or its name.
+/// Wall from an STL, OBJ, PLY or VTP file; the format is recognised by the content or the name.
 inline Surfaces mesh_wall(const std::string& path, double scale = 1) {
   return TriangleMesh(read_mesh(path, scale));
 }
 
-/// A velocity that the surface of a wall has without moving, as a conveyor belt's: `velocity` +
-/// `rate` x (p - centre) at the point p, in space; of it what lies in the tangent plane of a
-/// contact.
+/// Surface velocity of a wall that does not move itself, such as a conveyor belt: `velocity` +
+/// `rate` x (p - centre) at the point p in space. Only its component in the tangent plane of a
+/// contact acts.
 struct SurfaceVelocity {
   Vec3d velocity{0, 0, 0};  // [m/s]
   Vec3d rate{0, 0, 0};      // [rad/s]
@@ -69,77 +68,77 @@ struct SurfaceVelocity {
             " [rad/s] and centre = ", centre, " [m] must be finite");
   }
   bool is_zero() const { return velocity == Vec3d{0, 0, 0} && rate == Vec3d{0, 0, 0}; }
-  /// [m/s] at a contact of this normal.
+  /// [m/s] at a contact with this normal.
   Vec3d at(const Vec3d& point, const Vec3d& normal) const {
     const Vec3d v = velocity + cross(rate, point - centre);
     return v - dot(v, normal) * normal;
   }
 };
 
-/// What add_wall may be told of a wall, all of it optional:
+/// Options of add_wall:
 ///   sim.add_wall(lid, steel, {.name = "lid", .drive = silt::ServoForce{...}});
 struct WallSetup {
-  std::string name = {};  // unique; stands in every message about the wall
+  std::string name = {};  // unique; used in messages about the wall
   Motion motion = {};     // prescribed; or
-  WallDrive drive = {};   // ... by what acts on it: ServoForce, ServoTorque, Slide, Hinge, FreeBody
+  WallDrive drive = {};   // ... by its loads: ServoForce, ServoTorque, Slide, Hinge, FreeBody
   SurfaceVelocity surface_velocity = {};
-  std::string material = {};  // name of its material among those of equal values; empty: the first
+  std::string material = {};  // material name, if several have equal values; empty: the first
 };
 
-/// A wall of a simulation: surfaces, a material, what moves it, and the load it bears.
+/// Wall of a simulation: surfaces, material, motion or drive, and load.
 struct Wall {
   std::vector<Surface> surfaces;
-  std::size_t material = 0;  // in the table of the contacts
+  std::size_t material = 0;  // index in the table of the contacts
   Motion motion;             // prescribed; empty: none
   Pose pose{};               // now
   Pose last_pose{};          // one step ago
-  Vec3d force{};             // [N] on the wall, by particles, at the last step
+  Vec3d force{};             // [N] on the wall, from particles, at the last step
   Vec3d torque{};            // [N m] on the wall, about `reference`
-  Vec3d reference{};         // [m] point that the torque is taken about
-  Vec3d impulse{};           // [N s] force summed over time since the start
+  Vec3d reference{};         // [m] reference point of the torque
+  Vec3d impulse{};           // [N s] time integral of the force since the start
   Vec3d angular_impulse{};   // [N m s] torque, likewise
   std::string name;          // empty: none
-  WallDrive drive;           // what moves it, if it is not `motion`
+  WallDrive drive;           // what moves it, if not `motion`
   WallState state;           // of the drive, or of a motion that was changed
   SurfaceVelocity belt;
   double belt_power = 0;  // [W] of the surface velocity on particles, at the last step
-  /// After set_mesh gave surface `deformed` a mesh of the same topology: how far [m] each vertex
-  /// goes in one step, in the wall's coordinates; `deforming` 2: in the step that comes, 1: in this
-  /// one.
+  /// After set_mesh replaced surface `deformed` by a mesh of the same topology: displacement [m] of
+  /// each vertex in one step, in the wall's coordinates. `deforming` 2: in the next step, 1: in
+  /// this one.
   std::vector<Vec3d> vertex_steps;
   std::size_t deformed = 0;
   int deforming = 0;
-  /// [m3] that modules have worn of each facet of its meshes, one mesh after the other, of each of
-  /// these modules; empty: nothing yet.
+  /// [m3] worn volume of each facet of its meshes, mesh after mesh, for each module that computes
+  /// wear; empty: none yet.
   std::vector<double> worn;
   Box extent;  // [m] of the surfaces, in the wall's coordinates; may be infinite
-  /// Of a driven wall in a liquid (Sph), beside `force` and `torque`: load [N], [N m] about the
-  /// drive's centre, and what a servo's speed follows from (sph/driven_walls.hpp).
+  /// For a driven wall in a liquid (Sph), in addition to `force` and `torque`: load [N], [N m]
+  /// about the drive's centre, and the coefficients of a servo's speed (sph/driven_walls.hpp).
   Vec3d liquid_force{}, liquid_torque{};
   double liquid_stiffness = 0,
          liquid_damping = 0;  // [N/m], [N s/m]; of a torque times arms squared
 
   bool is_driven() const { return drive.index() != 0; }
   bool has_belt() const { return !belt.is_zero(); }
-  /// Whether surfaces have velocities of their own beside the wall's.
+  /// Whether its surfaces move relative to the wall (belt, deforming mesh).
   bool is_in_itself_moving() const { return has_belt() || deforming == 1; }
-  /// Whether it is more than planes and the like at rest where they were given.
+  /// Whether it moves, or its surfaces do.
   bool moves() const { return static_cast<bool>(motion) || is_driven() || has_belt(); }
-  /// Where its motion puts it at `time` [s]; the present pose if it has none.
+  /// Pose at `time` [s] by its motion; the present pose if it has none.
   Pose pose_at(double time) const {
     if (!motion) return pose;
     if (state.changed == 0) return motion(time);
-    // The motion since then, beginning at the pose of then.
+    // The motion since that time, starting at the pose of that time.
     const Pose from = motion(state.since), to = motion(time), &held = state.start;
     const Quaternion turn = to.rotation * conjugate(from.rotation);
     return {turn * held.rotation,
             to.translation + rotate(turn, held.translation - from.translation)};
   }
-  /// Velocity [m/s] at the point `place` of a drive, at the last half step.
+  /// Velocity [m/s] at the point `place` of a driven wall, at the last half step.
   Vec3d driven_velocity(const Vec3d& place) const;
 };
 
-/// A wall, by its number or its name.
+/// A wall, by number or name.
 using WhichWall = NumberOrName;
 
 inline Vec3d Wall::driven_velocity(const Vec3d& place) const {
@@ -159,7 +158,7 @@ inline Vec3d Wall::driven_velocity(const Vec3d& place) const {
 
 namespace detail {
 
-/// How far [m] a wall of finite size reaches from its centre or axis; 0 of others.
+/// Largest distance [m] of a point of a finite wall from its centre or axis; 0 for infinite walls.
 inline double reach_of(const Wall& wall) {
   const Box& b = wall.extent;
   double most = 0;
@@ -208,15 +207,15 @@ inline Box extent_of(const std::vector<Surface>& surfaces) {
   return all;
 }
 
-/// Mean velocity [m/s] over the last step, of `step` [s], of the point of a wall that is now at
+/// Mean velocity [m/s] over the last step, of length `step` [s], of the wall's point that is now at
 /// `place`.
 inline Vec3d mean_velocity(const Wall& wall, const Vec3d& place, double step) {
   if (!wall.moves()) return {0, 0, 0};
   return (place - wall.last_pose.to_space(wall.pose.to_body(place))) * (1 / step);
 }
 
-/// Where a mesh deforms: displacement [m] in this step, in space, of the point `place` [m] on one
-/// of the triangles `facets`.
+/// Deforming mesh: displacement [m] in this step, in space, of the point `place` [m] on one of the
+/// triangles `facets`.
 inline Vec3d deformation_at(const Wall& wall, std::span<const std::uint32_t> facets,
                             const Vec3d& place) {
   const auto& mesh = *std::get<std::shared_ptr<const TriangleMesh>>(wall.surfaces[wall.deformed]);
@@ -240,8 +239,8 @@ inline Vec3d deformation_at(const Wall& wall, std::span<const std::uint32_t> fac
   return wall.pose.rotate(moved);
 }
 
-/// Velocity [m/s] of a wall's surface beside that of the wall, at a contact: of a belt, and of a
-/// mesh that deforms.
+/// Velocity [m/s] of a wall's surface relative to the wall at a contact: of a belt, and of a
+/// deforming mesh.
 inline Vec3d velocity_in_itself(const Wall& wall, std::size_t surface,
                                 std::span<const std::uint32_t> facets, const Vec3d& place,
                                 const Vec3d& normal, double step) {
@@ -251,7 +250,7 @@ inline Vec3d velocity_in_itself(const Wall& wall, std::size_t surface,
     v += (1 / step) * deformation_at(wall, facets, place);
   return v;
 }
-/// The farthest way [m] of a vertex in this step.
+/// Largest displacement [m] of a vertex in this step.
 inline double deformation_of(const Wall& wall) {
   double most = 0;
   if (wall.deforming == 1)
@@ -259,7 +258,7 @@ inline double deformation_of(const Wall& wall) {
   return most;
 }
 
-/// Calls f with the surface itself, meshes by reference.
+/// Calls f with the surface; meshes by reference.
 template <class F>
 decltype(auto) visit_surface(const Surface& surface, F&& f) {
   return std::visit(
@@ -275,7 +274,7 @@ decltype(auto) visit_surface(const Surface& surface, F&& f) {
 inline bool is_mesh(const Surface& surface) {
   return std::holds_alternative<std::shared_ptr<const TriangleMesh>>(surface);
 }
-/// Facets of the meshes among the first `surfaces` of a wall.
+/// Number of facets of the meshes among the first `surfaces` of a wall.
 inline std::size_t facets_before(const Wall& wall, std::size_t surfaces) {
   std::size_t sum = 0;
   for (std::size_t s = 0; s < surfaces; ++s)

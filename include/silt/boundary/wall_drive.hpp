@@ -10,36 +10,40 @@
 #include <silt/boundary/motion.hpp>
 #include <silt/core/symmetric3.hpp>
 
-/// Walls that move by what acts on them: the `drive` of a wall. Each is given where the wall is
-/// when it is added, or when set_drive gives it the drive; directions, axes and points in space.
+/// Walls that move by the loads on them: the `drive` of a wall. A drive starts at the pose of the
+/// wall when the wall is added, or when set_drive is called. Directions, axes and points are in
+/// space.
 ///
-/// Two are controlled (servo): without mass, their speed follows the difference between the wanted
-/// load and the present one,
+/// Two drives are controlled (servo). They have no mass; their speed follows the difference between
+/// the prescribed load F and the present load,
 ///   v = w + u, |v| <= max_speed,  w = gain (F - F_now)/(K dt + C),  du/dt = w/T,
 ///   T = 40 (K dt + C)/(gain K)                                                               (1)
-/// K [N/m] is the sum of the stiffnesses of all contacts of the wall along their normals, C [N s/m]
-/// of their dashpots; of a torque each times the square of its distance from the axis. A wall that
-/// begins to move with v changes its load in the next step by (K dt + C) v, if all of its contacts
-/// are pressed along their normals, which is at most `gain` of the difference: w approaches the
-/// wanted load without overshoot; the bed behind is softer than K. u follows a bed that moves the
-/// wall, as one that shears does: w alone would stay off its load by v (K dt + C)/gain. On a bed of
-/// the stiffness K/n, w and u are damped by sqrt(10/n) of the critical damping. Until the load has
-/// come to 0.9 F once, F - F_now counts as a tenth of F at most in du/dt, so that a wall that lands
-/// hardly overshoots; u rests while v is at its limit, and is 0 where nothing is touched. (Without
-/// C, dashpots, whose force comes and goes at once, would make the wall swing from step to step.) A
-/// wall that touches nothing moves with max_speed. Three are free: they have a mass, and are
-/// integrated with the particles (Leapfrog). Source: (1) with C = 0 has the form of PFC's servo
-/// (recalled, the print was not read), with the
-///         number of contacts times their mean stiffness for K.
+/// K [N/m] is the sum of the normal stiffnesses of all contacts of the wall, C [N s/m] that of
+/// their dashpots. For a torque each is multiplied by the square of its distance from the axis.
+///
+/// A wall with velocity v changes its load in the next step by (K dt + C) v if all of its contacts
+/// are loaded along their normals. w therefore changes the load by at most `gain` times the
+/// difference, and approaches F without overshoot, as the bed behind the contacts is softer than K.
+/// u compensates a bed that moves the wall, for example by shear. Without u the load would stay off
+/// by v (K dt + C)/gain. On a bed of the stiffness K/n, w and u are damped by sqrt(10/n) of
+/// critical damping. Until the load has first reached 0.9 F, F - F_now counts in du/dt as at most
+/// F/10, which keeps the overshoot at landing small. u is constant while v is at its limit, and 0
+/// without contacts. C is needed because forces of dashpots appear and vanish at once; without it
+/// the wall would oscillate from step to step. A wall without contacts moves with max_speed.
+///
+/// Three drives are free: they have a mass and are integrated with the particles (Leapfrog).
+///
+/// Source: (1) with C = 0 has the form of PFC's servo (recalled: the print was not read), with K
+///         for the number of contacts times their mean stiffness.
 /// Units:  SI. Errors: check() names type, field and value.
 /// Tests:  tests/engine/free_walls.cpp.
 
 namespace silt::inline SILT_TARGET {
 
-/// Presses along `direction` with a force: the wall moves along it, and does not turn.
+/// Applies a force along `direction`: the wall translates along it and does not rotate.
 struct ServoForce {
-  Vec3d direction;   // [-] of any length but 0
-  double force;      // [N] >= 0 on the particles along `direction`; of a pressure: times the area
+  Vec3d direction;   // [-] any length except 0
+  double force;      // [N] >= 0 on the particles along `direction`; for a pressure: times the area
   double max_speed;  // [m/s]
   double max_travel = std::numeric_limits<double>::infinity();  // [m] to either side of the start
   double gain = 0.25;                                           // [-] in (0, 1]
@@ -47,47 +51,47 @@ struct ServoForce {
   void check() const;
 };
 
-/// Turns about an axis with a torque on the particles.
+/// Applies a torque to the particles: the wall rotates about an axis.
 struct ServoTorque {
   Vec3d centre;     // [m] a point of the axis
-  Vec3d axis;       // [-] of any length but 0
+  Vec3d axis;       // [-] any length except 0
   double torque;    // [N m] on the particles, of either sign, by the right-hand rule
   double max_rate;  // [rad/s]
   double max_turn = std::numeric_limits<double>::infinity();  // [rad] to either side of the start
-  double gain = 0.25;  // [-] in (0, 1]; 1 in a bed that flows (docs/walls.md, Servo)
+  double gain = 0.25;  // [-] in (0, 1]; 1 for a flowing bed (docs/walls.md, Servo)
 
   void check() const;
 };
 
-/// Slides along `direction`, free or between a spring and a dashpot; gravity acts along it.
+/// Translates along `direction`, free or with a spring and a dashpot; gravity acts along it.
 struct Slide {
-  Vec3d direction;       // [-] of any length but 0
+  Vec3d direction;       // [-] any length except 0
   double mass;           // [kg]
   double speed = 0;      // [m/s] at the start, along `direction`
-  double force = 0;      // [N] that acts on the wall beside contacts and gravity
+  double force = 0;      // [N] on the wall, added to contacts and gravity
   double stiffness = 0;  // [N/m] of a spring that is relaxed at the start
   double damping = 0;    // [N s/m]
 
   void check() const;
 };
 
-/// Turns about a fixed axis, free or with a spring and a dashpot.
+/// Rotates about a fixed axis, free or with a spring and a dashpot.
 struct Hinge {
   Vec3d centre;            // [m] a point of the axis
-  Vec3d axis;              // [-] of any length but 0
+  Vec3d axis;              // [-] any length except 0
   double inertia;          // [kg m2] about the axis
   double mass = 0;         // [kg] for gravity
-  Vec3d centre_of_mass{};  // [m] at the start; only with a mass
+  Vec3d centre_of_mass{};  // [m] at the start; needs a mass
   double rate = 0;         // [rad/s] at the start
-  double torque = 0;       // [N m] that acts on the wall beside contacts and gravity
+  double torque = 0;       // [N m] on the wall, added to contacts and gravity
   double stiffness = 0;    // [N m/rad] of a spring that is relaxed at the start
   double damping = 0;      // [N m s/rad]
 
   void check() const;
 };
 
-/// A rigid body with six degrees of freedom. free_body(mesh, density) (silt/shape/mesh_body.hpp)
-/// makes one of a closed mesh.
+/// Rigid body with six degrees of freedom. free_body(mesh, density) (silt/shape/mesh_body.hpp)
+/// makes one from a closed mesh.
 struct FreeBody {
   double mass;                      // [kg]
   Symmetric3 inertia;               // [kg m2] about `centre`, in the axes of the surfaces
@@ -101,24 +105,24 @@ struct FreeBody {
 /// What moves a wall, if it is not a Motion; monostate: nothing.
 using WallDrive = std::variant<std::monostate, ServoForce, ServoTorque, Slide, Hinge, FreeBody>;
 
-/// Where a driven wall is and how it moves; of a wall with a Motion that was changed on the way,
-/// from where it goes on. Numbers alone: checkpoints write it as it is.
+/// Position and velocity of a driven wall; for a wall whose Motion was changed, the pose from which
+/// it continues. Only numbers: checkpoints store it unchanged.
 struct WallState {
-  Pose start;                     // when it was released, or its motion was changed
+  Pose start;                     // when it was released or its motion changed
   double since = 0;               // [s] then
   double changed = 0;             // 1: the motion was changed at `since`
-  double way = 0;                 // [m] or [rad] since the start
-  double rate = 0, rate_now = 0;  // [1/s] of it, at the last half step and at the step
+  double way = 0;                 // [m] or [rad] travelled since the start
+  double rate = 0, rate_now = 0;  // [1/s] its rate, at the last half step and at the step
   Quaternion axes, turn;          // of a FreeBody: principal axes to surfaces, and to space
   Vec3d principal{1, 1, 1};       // [kg m2]
   Vec3d centre{}, velocity{}, velocity_now{};  // [m], [m/s] half step, step
   Vec3d momentum{}, momentum_now{};            // [kg m2/s] angular, in principal axes
-  double stiffness = 0;                        // [N/m] or [N m/rad] K of (1) at the last look
+  double stiffness = 0;                        // [N/m] or [N m/rad] K of (1), last value
   double damping = 0;                          // [N s/m] or [N m s/rad] C of (1)
   double load_at_look = 0;                     // [N] or [N m]
   double steps_since_look = 0;
   double drift = 0;       // [m/s] or [rad/s] u of (1)
-  double has_landed = 0;  // 1: the load has come near to the wanted one
+  double has_landed = 0;  // 1: the load has come near the prescribed one
 };
 static_assert(sizeof(WallState) % sizeof(double) == 0);
 
@@ -138,8 +142,8 @@ inline void require_gain(const char* name, double gain) {
   require(gain > 0 && gain <= 1, name, " = ", gain, " [-] must be in (0, 1]");
 }
 
-/// The point [m] that a wall's torque is about unless another is set: one of its axis, if it has
-/// one, else the origin.
+/// Default reference point [m] of a wall's torque: a point of its axis if it has one, else the
+/// origin.
 inline Vec3d turns_about(const Motion& motion, const WallDrive& drive) {
   if (const auto* const turning = motion.target<Rotation>()) return turning->centre;
   if (const auto* const servo = std::get_if<ServoTorque>(&drive)) return servo->centre;
@@ -151,7 +155,7 @@ inline bool is_servo(const WallDrive& drive) {
 }
 inline bool is_free(const WallDrive& drive) { return drive.index() != 0 && !is_servo(drive); }
 
-/// Where the mesh's frame is, of a state.
+/// Pose of the mesh in a state.
 inline Pose pose_of(const WallDrive& drive, const WallState& s) {
   const auto slid = [&](const Vec3d& direction) {
     return Pose{s.start.rotation, s.start.translation + s.way * normalised(direction)};
@@ -171,7 +175,7 @@ inline Pose pose_of(const WallDrive& drive, const WallState& s) {
   return s.start;
 }
 
-/// The state of a wall that is released from `pose` at `time` [s].
+/// State of a wall released from `pose` at `time` [s].
 inline WallState released(const WallDrive& drive, const Pose& pose, double time) {
   WallState s;
   s.start = pose, s.since = time;
@@ -189,7 +193,7 @@ inline WallState released(const WallDrive& drive, const Pose& pose, double time)
   return s;
 }
 
-/// 1/mass [1/kg] that a push along `normal` at `point` [m] meets; 0 of walls without a mass.
+/// 1/mass [1/kg] that resists a force along `normal` at `point` [m]; 0 for walls without a mass.
 inline double inverse_mass_of(const WallDrive& drive, const WallState& s, const Vec3d& point,
                               const Vec3d& normal) {
   if (const auto* d = std::get_if<Slide>(&drive)) {
@@ -208,8 +212,8 @@ inline double inverse_mass_of(const WallDrive& drive, const WallState& s, const 
   return 0;
 }
 
-/// The least mass [kg] that contacts of a wall meet, none of whose points is farther than `size`
-/// [m] from its centre or axis; infinite of walls without a mass.
+/// Smallest effective mass [kg] of a wall at its contacts, if no point is farther than `size` [m]
+/// from its centre or axis; infinite for walls without a mass.
 inline double least_mass_of(const WallDrive& drive, const WallState& s, double size) {
   const double size2 = size * size;
   if (const auto* d = std::get_if<Slide>(&drive)) return d->mass;
@@ -219,7 +223,7 @@ inline double least_mass_of(const WallDrive& drive, const WallState& s, double s
   return std::numeric_limits<double>::infinity();
 }
 
-/// In which a spring of the wall makes a 20th of half a swing [s]; infinite without one.
+/// 1/20 of half a period of the wall's spring [s]; infinite without a spring.
 inline double spring_step(const WallDrive& drive) {
   const auto of = [](double stiffness, double inertia) {
     return stiffness > 0 ? std::numbers::pi / 20 * std::sqrt(inertia / stiffness)
@@ -244,7 +248,7 @@ inline void ServoForce::check() const {
   detail::require_direction("ServoForce.direction", direction);
   detail::require_number("ServoForce.force", force, "N");
   require(force >= 0, "ServoForce.force = ", force,
-          " [N] must not be negative: `direction` gives the sense, turn it");
+          " [N] must not be negative: reverse `direction` instead");
   require_positive("ServoForce.max_speed", max_speed, "m/s");
   detail::require_some("ServoForce.max_travel", max_travel, "m");
   detail::require_gain("ServoForce.gain", gain);

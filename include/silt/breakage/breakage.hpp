@@ -21,19 +21,19 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What silt's own time step is chosen for. One that is set (Simulation::time_step) does not
-/// change.
+/// Particle size for which the automatic time step is chosen. A given step (Simulation::time_step)
+/// does not change.
 enum class BreakStep {
-  SmallestPossible,  // a fragment of the diameter `dust_below`, from the start on
-  SmallestLiving     // the smallest particles that are there: it changes during the run
+  SmallestPossible,  // a fragment of the diameter `dust_below`, from the start
+  SmallestLiving     // the smallest present particles: changes during the run
 };
 
-/// How particles break, beside the comminution functions.
+/// Rules of breakage besides the comminution functions.
 struct BreakageRules {
-  double dust_below;                        // [m] diameter, > 0: fragments below it are dust
-  std::size_t most_fragments = 100;         // [-] of one particle; the rest of its mass is dust
+  double dust_below;                        // [m] diameter, > 0: smaller fragments become dust
+  std::size_t most_fragments = 100;         // [-] per particle; the rest of its mass becomes dust
   double separation_speed = 0.1;            // [m/s] >= 0
-  std::vector<std::size_t> materials = {};  // whose particles break; none: all
+  std::vector<std::size_t> materials = {};  // materials that break; empty: all
   std::uint64_t seed = 1;
   BreakStep step = BreakStep::SmallestPossible;
 
@@ -44,35 +44,39 @@ struct BreakageRules {
   }
 };
 
-/// Policy of a Simulation whose particles break: each has a strength, and where an impact loads it
-/// by more, it is replaced by fragments; those below `dust_below` are mass in a table.
+/// Policy of a Simulation with breakage. Each particle has a strength. When the load of an impact
+/// exceeds it, the particle is replaced by fragments; fragments smaller than `dust_below` become
+/// mass in a table (dust).
 ///
 ///   silt::Simulation sim{std::move(feed), silt::Contacts<silt::HertzMindlin>{salt},
 ///                        silt::Breakage{silt::LogLogisticStrength{...}, silt::HertzEquivalence{},
 ///                                       silt::GaudinSchuhmann{...}, {.dust_below = 20e-6}}};
 ///
-/// An impact is weighed as it begins, by its speed at first touch; with ForceEquivalence in each
-/// step, by the normal force of the contact, damping included. What it does not break it weakens,
-/// as `fatigue` says: once a contact. Fragments lie inside the particle that they come from and
-/// have its velocity and rotation, its momentum and angular momentum; what they overlap by at
-/// birth, with each other, neighbours and walls, is left out of their contacts, and shrinks at
-/// `separation_speed`. Until the particle would have gone its own diameter at the impact's speed,
-/// they do not break: the breakage function says what the whole impact leaves.
+/// The load of an impact is evaluated at its start, from the speed at first touch. With
+/// ForceEquivalence it is evaluated in each step, from the normal force of the contact including
+/// damping. A load below the strength weakens the particle by `fatigue`, once per contact.
 ///
-/// Strengths are drawn by seed and id, fragments likewise: results depend on nothing else.
+/// Fragments are placed inside the parent and have its velocity and rotation; momentum and angular
+/// momentum are conserved. Initial overlaps with each other, neighbours and walls are excluded from
+/// the contact forces and shrink at `separation_speed`. Fragments cannot break until the parent
+/// would have travelled its own diameter at the impact speed, because the breakage function
+/// describes the result of the whole impact.
+///
+/// Strengths and fragments are drawn from the seed and the particle's id, and depend on nothing
+/// else.
 /// Source:  T. Brosh, H. Kalman, A. Levy, Particuology 12 (2014) 113: the system of functions and
-///          the table of dust. The placing of fragments is silt's.
+///          the table of dust. The placement of fragments is silt's.
 /// Errors:  InputError naming field, value, unit and allowed range.
 /// Tests:   tests/breakage/.
 /// Valid:   spheres and polyhedra, not in a DeformingBox.
-/// Units:   SI; strengths and loads [N] or [J], as the load says.
+/// Units:   SI; strengths and loads [N] or [J], as the equivalence gives.
 template <Strength S, Equivalence E, BreakageFunction B, Fatigue F = NoFatigue>
 struct Breakage {
   static constexpr bool is_breakage = true;
   static constexpr LoadUnit unit = E::unit;
   static constexpr bool by_force = requires { requires E::by_force; };
   static_assert(same_load_unit<S, E>(),
-                "Breakage compares a strength in N with a load in J, or the other way round: take "
+                "Breakage compares a strength in N with a load in J, or vice versa: use "
                 "EnergyEquivalence with strengths in J, another one with those in N");
 
   S strength;
@@ -85,15 +89,15 @@ struct Breakage {
       : strength(s), equivalence(e), sizes(b), fatigue(f), rules(std::move(r)) {}
   Breakage(S s, E e, B b, BreakageRules r) : Breakage(s, e, b, F{}, std::move(r)) {}
 
-  /// Of each particle, as of a module.
+  /// Fields of each particle, as of a module.
   struct Fields {
-    double strength = 0;     // [N] or [J]; 0: it does not break
-    double rests_until = 0;  // [s] it does not break before
-    double generation = 0;   // [-] 0: not a fragment; of fragments one more than of what broke
+    double strength = 0;     // [N] or [J]; 0: unbreakable
+    double rests_until = 0;  // [s] cannot break before
+    double generation = 0;   // [-] 0: not a fragment; fragments: that of the parent + 1
   };
   static constexpr std::array names{"strength", "rests_until", "generation"};
 
-  /// Before a run.
+  /// Checks before a run.
   template <class Sim>
   void check(const Sim& sim) const {
     strength.check(), equivalence.check(), sizes.check(), fatigue.check();
@@ -124,45 +128,45 @@ struct Breakage {
 template <class S, class E, class B>
 Breakage(S, E, B, BreakageRules) -> Breakage<S, E, B>;
 
-/// Why a particle broke.
+/// Cause of a breakage.
 enum class BreakCause {
   Pair,  // impact on another particle
   Wall,  // impact on a wall
   Asked  // break_particle()
 };
-/// How many broke, by BreakCause.
+/// Numbers of breakages, by BreakCause.
 using BreakCounts = std::array<std::uint64_t, 3>;
 
-/// A particle that broke, for on_break().
+/// A breakage, for on_break().
 struct BreakEvent {
   ParticleId id = no_particle;    // that it had
-  std::size_t material = 0;       // Simulation::material_name() has its name
+  std::size_t material = 0;       // its name: Simulation::material_name()
   double time = 0;                // [s]
   Vec3d position{0, 0, 0};        // [m]
   Vec3d velocity{0, 0, 0};        // [m/s]
   double diameter = 0, mass = 0;  // [m], [kg]
   double strength = 0, load = 0;  // [N] or [J]
-  double speed = 0;               // [m/s] of the impact; by force, and asked, 0
+  double speed = 0;               // [m/s] of the impact; 0 for loads by force and requests
   BreakCause cause = BreakCause::Pair;
-  ParticleId first = no_particle;  // id of the first fragment; the others have the next ones
+  ParticleId first = no_particle;  // id of the first fragment; the others follow
   std::size_t fragments = 0;
-  std::size_t generation = 0;  // [-] of the particle: 0 is one that is no fragment
+  std::size_t generation = 0;  // [-] of the particle: 0 is not a fragment
   double dust = 0;             // [kg]
 };
 
-/// The load that came nearest to a strength, or was above it the most.
+/// The load closest to a strength, or farthest above it.
 struct LargestLoad {
-  std::uint64_t weighed = 0;       // [-] loads so far, each of one particle
+  std::uint64_t weighed = 0;       // [-] number of loads so far, each on one particle
   double share = 0;                // [-] over the strength
   double load = 0, strength = 0;   // [N] or [J]
-  double diameter = 0, speed = 0;  // [m], [m/s]; by force the speed is 0
+  double diameter = 0, speed = 0;  // [m], [m/s]; speed 0 for loads by force
 };
 
-/// Where the mass of a simulation is [kg]. `fed`: all that was added or came through inlets;
-/// `present`: now in the simulation; `left`: through outlets, or removed.
+/// Mass balance of a simulation [kg]. `fed`: all that was added or came through inlets; `present`:
+/// now in the simulation; `left`: through outlets, or removed.
 struct MassBalance {
   double fed = 0, present = 0, left = 0, dust = 0;
-  /// What the books cannot explain: rounding.
+  /// Closure error: rounding.
   double residual() const { return fed - present - left - dust; }
 };
 

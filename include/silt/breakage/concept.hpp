@@ -7,14 +7,14 @@
 #include <silt/core/error.hpp>
 #include <silt/core/target.hpp>
 
-/// What the comminution functions must answer. All are pure functions of one particle; each has a
+/// Contracts of the comminution functions. All are pure functions of one particle. Each has a
 /// `check()` that throws InputError, naming field, value, unit and allowed range.
 /// Source:  the split into strength, selection, equivalence, breakage and fatigue functions follows
 ///          Brosh, Kalman and Levy 2014, which gives no formulas; those of each are recalled.
 /// Tests:   tests/breakage.
 namespace silt::inline SILT_TARGET {
 
-/// Load [N or J, as `unit` says] of an impact, to be compared with a strength.
+/// Load of an impact, in N or J by `unit`, to compare with a strength.
 template <class T>
 concept Equivalence = requires(const T& t, const Impact& impact) {
   { t.load(impact) } -> std::same_as<double>;
@@ -22,8 +22,8 @@ concept Equivalence = requires(const T& t, const Impact& impact) {
   t.check();
 };
 
-/// Strengths of particles of one size: the quantile at `rank` in (0, 1), and the share of them
-/// weaker than `load`, its inverse. A strength of one unit alone has a `static constexpr LoadUnit
+/// Strengths of particles of one size: the quantile at `rank` in (0, 1), and its inverse, the share
+/// of particles weaker than `load`. A strength with a fixed unit has a `static constexpr LoadUnit
 /// unit`.
 template <class T>
 concept Strength = requires(const T& t, double x) {
@@ -32,8 +32,8 @@ concept Strength = requires(const T& t, double x) {
   t.check();
 };
 
-/// Sizes of fragments: the share of the parent's mass in fragments of diameters below x [m]. 0 at
-/// 0, 1 from `largest` [m] on, and it never falls; check_sizes (breakage/sizes.hpp) probes that.
+/// Fragment sizes: share of the parent's mass in fragments with diameters below x [m]. It is 0 at
+/// 0, 1 from `largest` [m] on, and does not decrease; check_sizes (breakage/sizes.hpp) tests this.
 template <class T>
 concept BreakageFunction = requires(const T& t, double x, const Broken& parent) {
   { t.finer(x, parent) } -> std::same_as<double>;
@@ -41,14 +41,14 @@ concept BreakageFunction = requires(const T& t, double x, const Broken& parent) 
   t.check();
 };
 
-/// Strength that is left after a load below it, both in the same unit.
+/// Remaining strength after a load below the strength, both in the same unit.
 template <class T>
 concept Fatigue = requires(const T& t, double x) {
   { t.weakened(x, x) } -> std::same_as<double>;  // strength, load < strength
   t.check();
 };
 
-/// Whether a strength can be compared with the loads of an equivalence.
+/// Whether a strength has the unit of the loads of an equivalence.
 template <Strength S, Equivalence E>
 constexpr bool same_load_unit() {
   if constexpr (requires { S::unit; })

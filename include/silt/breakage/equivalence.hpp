@@ -18,14 +18,15 @@ namespace silt::inline SILT_TARGET {
 ///   EnergyEquivalence  E = m* v^2/2                                                         (4)
 ///   ForceEquivalence   F = the largest normal force of the contact
 ///
-/// (1) is the elastic part of the largest force: what the dashpot adds is left out, as it belongs
-/// to the numerical damping and not to the particle. F_el is `Impact::elastic_force`, which the
-/// contact law says: of laws that are not Hertz', theirs.
+/// (1) is the elastic part of the largest force. The part of the dashpot is excluded, as it belongs
+/// to the numerical damping, not to the particle. F_el is `Impact::elastic_force`, given by the
+/// contact law; laws other than Hertz' have their own formula.
 ///
 /// Source: (1), (2) Hertz; closed forms of contact/impact.hpp. (3) a power law of the kind used
 ///         with measured equivalences (recalled); with p = 1.2, q = 2 it is (1) for one pair of
 ///         materials. (4) Vogel and Peukert (recalled).
-/// Valid:  as Hertz' theory. At a wall m* is the particle's mass, so (4) is all of its energy.
+/// Valid:  as Hertz' theory. At a wall m* is the particle's mass; (4) is then its whole kinetic
+///         energy.
 /// Units:  SI.
 /// Errors: InputError naming field, value, unit and allowed range.
 /// Tests:  tests/breakage/equivalence.cpp.
@@ -71,11 +72,11 @@ struct EnergyEquivalence {
 
 struct ForceEquivalence {
   static constexpr LoadUnit unit = LoadUnit::Force;
-  static constexpr bool by_force = true;  // contacts keep their largest force for it
+  static constexpr bool by_force = true;  // contacts store their largest force
 
   double load(const Impact& impact) const {
     require(!std::isnan(impact.contact_force),
-            "ForceEquivalence: Impact.contact_force = nan [N]: it is known only where breakage "
+            "ForceEquivalence: Impact.contact_force = nan [N]: it is set only where breakage "
             "goes by the largest force; use HertzEquivalence, PowerEquivalence or "
             "EnergyEquivalence for impacts at first touch");
     return impact.contact_force;

@@ -10,7 +10,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Fatigue: the strength that a particle keeps after a load below it.
+/// Fatigue: strength of a particle after a load below its strength.
 ///
 ///   NoFatigue       F_s' = F_s
 ///   PowerFatigue    F_s' = F_s (1 - kappa (F/F_s)^psi)                                       (1)
@@ -18,13 +18,13 @@ namespace silt::inline SILT_TARGET {
 ///                   of forces: E/E_f = (F/F_s)^(5/3),  F_s' = F_s (1 - D)^(3/5)              (3)
 ///
 /// With a = 5/(2 g) and u = D^a, (2) is (1 + a) u - a u^(1 + 1/a) = E/E_f. In [0, 1] the left side
-/// rises from 0 to 1 and is concave, so there is one root, and Newton's iterates from u = (E/E_f)/
-/// (1 + a), below it, climb to it and cannot pass it.
+/// increases from 0 to 1 and is concave; there is one root. Newton's iterates from u = (E/E_f)/(1 +
+/// a), below the root, increase to it and cannot pass it.
 ///
-/// Source: (1) own form of this library, its coefficients are synthetic. (2) Tavares and King 2002
-///         (recalled). (3) Hertz: E ~ F^(5/3).
-/// Valid:  0 <= load <= strength. D = 1 at load = strength; near it D has the slope of a square
-///         root, and an error of 1e-8.
+/// Source: (1) silt's own form with synthetic coefficients. (2) Tavares and King 2002 (recalled).
+///         (3) Hertz: E ~ F^(5/3).
+/// Valid:  0 <= load <= strength. D = 1 at load = strength; near it D behaves as a square root,
+///         with an error of 1e-8.
 /// Units:  those of the strength.
 /// Errors: check() throws InputError naming field, value, unit and allowed range.
 /// Tests:  tests/breakage/fatigue.cpp.
@@ -34,8 +34,8 @@ struct NoFatigue {
 };
 
 struct PowerFatigue {
-  double kappa;  // [-] in [0, 1): what a load just below the strength takes
-  double psi;    // [-] > 0: the larger, the less small loads take
+  double kappa;  // [-] in [0, 1): loss by a load just below the strength
+  double psi;    // [-] > 0: a larger value reduces the effect of small loads
   static constexpr std::array names{"kappa", "psi"};
 
   double weakened(double strength, double load) const {
@@ -48,10 +48,10 @@ struct PowerFatigue {
 };
 
 struct TavaresFatigue {
-  double gamma;   // [-] g > 0: the larger, the less small loads take; about 5
+  double gamma;   // [-] g > 0: a larger value reduces the effect of small loads; about 5
   LoadUnit unit;  // of strengths and loads
 
-  /// (2): D [-] of a load of the energy E, by E/E_f in [0, 1].
+  /// (2): damage D [-] by a load of energy E, from E/E_f in [0, 1].
   double damage(double energy_ratio) const {
     const double a = 2.5 / gamma, ratio = std::clamp(energy_ratio, 0.0, 1.0);
     double u = ratio / (1 + a);

@@ -16,24 +16,24 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Fragments of one parent, drawn so that the mean mass in fragments below any diameter is that of
-/// the breakage function B, and the mass of each event is exact.
+/// Draws the fragments of one parent. The mean mass in fragments below any diameter is that of the
+/// breakage function B, and the mass of each event is exact.
 ///
-/// From coarse to fine, with R what is left of the parent's mass M and B_0 the share below the size
-/// that is reached (R = M, B_0 = 1 at the start):
-///   1. fragments of the sizes still to come have the mean number dK = (R/B_0) dB/m(x)       (1)
-///   2. of the next two of them the first is at K = u, the second at K = 2 - u, u uniform in
-///      (0, 1): large beside small, and each has the mean density of (1)                     (2)
-///   3. R loses their masses, B_0 becomes that at K = 2; again, until x = dust_below. The rest is
-///      dust.
-/// As R enters (1) as a factor, the mean of R stays M B_0, and with it all mean masses are exact.
-/// But a fragment cannot be heavier than what is left: such a one is cut to it, and is the last.
-/// That makes fragments finer than B, by the errors below.
+/// From coarse to fine, with R the remaining mass of the parent's mass M and B_0 the share below
+/// the size reached so far (R = M, B_0 = 1 at the start):
+///   1. fragments of the remaining sizes have the mean number dK = (R/B_0) dB/m(x)           (1)
+///   2. of the next two fragments the first is at K = u, the second at K = 2 - u, u uniform in
+///      (0, 1): a large one comes with a small one, and each has the mean density of (1)     (2)
+///   3. R is reduced by their masses, and B_0 is that at K = 2; repeat until x = dust_below. The
+///      remaining mass is dust.
+/// As R is a factor in (1), the mean of R remains M B_0, and all mean masses are exact. However, a
+/// fragment cannot be heavier than the remaining mass: such a fragment is reduced to it and is the
+/// last. This makes fragments finer than B, by the errors below.
 ///
-/// B is taken as linear in the mass within classes of 1/12 octave of the diameter.
+/// B is linear in the mass within classes of 1/12 octave of the diameter.
 ///
 /// Source: own.
-/// Error:  computed, largest deviation of the mean of 300 000 events from B at any x, in shares of
+/// Error:  computed, largest deviation of the mean of 300 000 events from B at any x, as a share of
 ///         the parent's mass, for dust_below/d of 0.1 and 0.3; statistical part up to 0.05 %:
 ///           GaudinSchuhmann, k 0.5 to 0.9, exponents 0.5 to 1.5; RosinRammler of x63 = 0.3 d;
 ///             T10Sizes from 10 times E50 on (the classes' linear B)                         0.16 %
@@ -42,13 +42,13 @@ namespace silt::inline SILT_TARGET {
 ///           GaudinSchuhmann with k = 1, exponent 1.5; Austin; T10Sizes of twice E50   0.6 to 0.8 %
 ///           GaudinSchuhmann with k = 1, exponent 2.5                                         1.7 %
 ///           Austin without a fine part, coarse exponent 4                                    2.6 %
-/// Cost:   computed, one core: 1 to 30 us an event, T10Sizes 13 to 55 us.
+/// Cost:   computed, one core: 1 to 30 us per event, T10Sizes 13 to 55 us.
 /// Units:  SI.
 /// Errors: InputError naming field, value, unit and allowed range. check_sizes is not called here.
 /// Tests:  tests/breakage/fragment_sizes.cpp.
 struct FragmentLimits {
-  double dust_below;      // [m] > 0: smaller ones are dust
-  std::size_t most = 12;  // [-] >= 1 an event: the largest are kept, all others are dust
+  double dust_below;      // [m] > 0: smaller fragments are dust
+  std::size_t most = 12;  // [-] >= 1 per event: the largest are kept, all others are dust
 
   void check() const {
     require_positive("FragmentLimits.dust_below", dust_below, "m");
@@ -56,18 +56,17 @@ struct FragmentLimits {
   }
 };
 
-/// What fragment_sizes() draws for one event.
+/// Result of fragment_sizes() for one event.
 struct FragmentSizes {
-  std::vector<double> masses;  // [kg] descending, each of a diameter of at least dust_below
-  double dust;                 // [kg] the parent's mass less that of all fragments
-  double dust_largest;         // [m] up to where the dust's sizes reach: dust_below, or more where
-                               // `most` has ended the fragments
+  std::vector<double> masses;  // [kg] descending, diameters of at least dust_below
+  double dust;                 // [kg] mass of the parent minus that of all fragments
+  double dust_largest;         // [m] largest size in the dust: dust_below, or more if `most` has
+                               // limited the number of fragments
 };
 
 namespace detail {
 
-/// How many fragments one parent has in the mean, from coarse to fine: K [1/kg] for each unit of
-/// mass, dK = dB/m.
+/// Mean number of fragments of one parent, from coarse to fine: K [1/kg] per unit mass, dK = dB/m.
 class FragmentNumbers {
  public:
   template <class Function>
@@ -89,14 +88,14 @@ class FragmentNumbers {
 
   double end() const { return number_.back(); }
   double end_mass() const { return mass_.back(); }
-  /// [kg] of the fragment at the place K < end()
+  /// [kg] of the fragment at K < end()
   double mass(double K) const {
     const std::size_t j = class_of(K);
     const double part = (K - number_[j - 1]) / (number_[j] - number_[j - 1]);
     return std::max(mass_[j - 1] * std::exp(-part * log_ratio(j)), mass_[j]);
   }
   double diameter(double K) const { return std::cbrt(mass(K) / per_volume_); }  // [m]
-  /// [-] share of the parent's mass after the place K < end()
+  /// [-] share of the parent's mass beyond K < end()
   double below(double K) const {
     const std::size_t j = class_of(K);
     return below_[j] + (below_[j - 1] - below_[j]) * (mass(K) - mass_[j]) / width(j);
@@ -112,11 +111,11 @@ class FragmentNumbers {
 
   double per_volume_;           // [kg/m3] of the cube of a diameter
   std::vector<double> mass_;    // [kg] of fragments at the classes' edges, descending
-  std::vector<double> below_;   // [-] B there; within a class it is linear in the mass
-  std::vector<double> number_;  // [1/kg] K there; within a class it is linear in ln m
+  std::vector<double> below_;   // [-] B there; linear in the mass within a class
+  std::vector<double> number_;  // [1/kg] K there; linear in ln m within a class
 };
 
-/// The fragments of one event, two by two.
+/// Fragments of one event, in pairs.
 class FragmentDraw {
  public:
   FragmentDraw(const FragmentNumbers& numbers, double mass, std::size_t most)
@@ -125,7 +124,7 @@ class FragmentDraw {
   std::vector<double> run(Random& random) {
     std::vector<double> masses;
     while (masses.size() < most_ && at_ < numbers_.end()) {
-      const double one = numbers_.below(at_) / left_;  // of K, for one fragment in the mean
+      const double one = numbers_.below(at_) / left_;  // of K, for a mean of one fragment
       const double u = random.uniform(), first = at_ + u * one, second = at_ + (2 - u) * one;
       at_ += one;
       if (!take(first, masses) || masses.size() == most_) break;
@@ -135,7 +134,7 @@ class FragmentDraw {
     return masses;
   }
   double left() const { return left_; }  // [kg] for the dust
-  /// Largest diameter [m] of the dust, if `most` has ended the fragments; else `least`.
+  /// Largest diameter [m] of the dust if `most` has limited the fragments; else `least`.
   double largest_left(double least) const {
     return left_ > 0 && at_ < numbers_.end() && left_ >= numbers_.end_mass()
                ? std::max(numbers_.diameter(at_), least)
@@ -154,13 +153,13 @@ class FragmentDraw {
   const FragmentNumbers& numbers_;
   double left_;  // [kg] R
   std::size_t most_;
-  double at_ = 0;  // [1/kg] the place K that is reached
+  double at_ = 0;  // [1/kg] the K reached so far
 };
 
 }  // namespace detail
 
-/// Fragments and dust of a parent. `density` [kg/m3] makes masses of the diameters, so that of a
-/// sphere of the parent's diameter should be its mass. Numbers are drawn from `random` alone.
+/// Fragments and dust of a parent. `density` [kg/m3] converts diameters to masses; a sphere of the
+/// parent's diameter should have its mass. Random numbers come only from `random`.
 template <BreakageFunction Function>
 FragmentSizes fragment_sizes(const Function& function, const Broken& parent, double density,
                              const FragmentLimits& limits, Random& random) {
@@ -180,9 +179,9 @@ FragmentSizes fragment_sizes(const Function& function, const Broken& parent, dou
   return out;
 }
 
-/// Shares [-] of the dust's mass in the classes of diameters [edges[k], edges[k + 1]) [m], by the
-/// breakage function below dust_largest. What lies beyond the outer edges counts to the outer
-/// classes, so that the shares sum to 1.
+/// Shares [-] of the dust's mass in the diameter classes [edges[k], edges[k + 1]) [m], by the
+/// breakage function below dust_largest. Mass beyond the outer edges counts in the outer classes;
+/// the shares sum to 1.
 template <BreakageFunction Function>
 std::vector<double> dust_shares(const Function& function, const Broken& parent,
                                 const FragmentSizes& sizes, std::span<const double> edges) {
@@ -202,8 +201,8 @@ std::vector<double> dust_shares(const Function& function, const Broken& parent,
   return shares;
 }
 
-/// Adds the dust of an event to a table, its mass class by class; the numbers are those of spheres
-/// of this density [kg/m3] and the mean diameter of a class (geometric; in the first half the
+/// Adds the dust of an event to a table, mass by class. The numbers are those of spheres of this
+/// density [kg/m3] and the mean diameter of a class (geometric; in the first class half its upper
 /// edge).
 template <BreakageFunction Function>
 void add_dust(SizeTable& table, const Function& function, const Broken& parent,
@@ -212,10 +211,10 @@ void add_dust(SizeTable& table, const Function& function, const Broken& parent,
   std::vector<double> edges;
   const std::size_t last = SizeTable::class_of(sizes.dust_largest);
   for (std::size_t k = 0; k <= last; ++k) edges.push_back(SizeTable::edge(k));
-  // The last class ends with the dust, but where that is its lower edge itself.
+  // The last class ends at the largest dust size, unless that is its lower edge.
   edges.push_back(std::max(sizes.dust_largest, edges.back() * (1 + 1e-12)));
   const auto shares = dust_shares(function, parent, sizes, edges);
-  double rest = sizes.dust;  // so that the table has all of it
+  double rest = sizes.dust;  // the table gets all of the mass
   for (std::size_t k = 0; k <= last; ++k) {
     const double mass = k == last ? rest : std::min(sizes.dust * shares[k], rest);
     const double x = k == 0 ? 0.5 * edges[1] : std::sqrt(edges[k] * edges[k + 1]);

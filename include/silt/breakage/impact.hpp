@@ -5,19 +5,19 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What a strength is compared with: one contact of one particle.
+/// Load of one contact on one particle, to compare with a strength.
 struct Impact {
-  double diameter;       // [m] of the particle; of a body: of the sphere of equal volume
+  double diameter;       // [m] of the particle; body: sphere of equal volume
   double mass;           // [kg] of the particle
-  double speed;          // [m/s] >= 0, of approach along the normal, at first touch
+  double speed;          // [m/s] >= 0, approach along the normal at first touch
   double m_eff, R_eff;   // [kg], [m] of the contact
-  double elastic_force;  // [N] largest force of the contact's spring in this impact, damping
-                         // included, with its physical modulus; NaN if the law has no closed form
-  double contact_force;  // [N] largest normal force so far, where breakage goes by force; else NaN
+  double elastic_force;  // [N] largest spring force of this impact, with damping and the physical
+                         // modulus; NaN if the law has no closed form
+  double contact_force;  // [N] largest normal force so far, for loads by force; else NaN
   bool at_wall;
 };
 
-/// What strength and load are measured in.
+/// Unit of strength and load.
 enum class LoadUnit { Force /* [N] */, Energy /* [J] */ };
 
 /// A particle that breaks; strength and load in their unit.

@@ -12,8 +12,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// How many impacts of which energy 1/2 m* v^2 [J] there were, v the speed of approach along the
-/// normal: classes by factors of 2, from 2^-100 J on.
+/// Histogram of impact energies 1/2 m* v^2 [J], v the speed of approach along the normal: classes
+/// by factors of 2, from 2^-100 J on.
 class ImpactEnergies {
  public:
   static constexpr int classes = 128, lowest = -100;
@@ -29,7 +29,7 @@ class ImpactEnergies {
     std::uint64_t at_walls, in_pairs;   // [-]
     double walls_energy, pairs_energy;  // [J] their sum
   };
-  /// Those from the first to the last that had an impact.
+  /// Classes from the first to the last non-empty one.
   std::vector<Class> table() const {
     std::vector<Class> all;
     for (std::size_t c = 0; c < classes; ++c) {

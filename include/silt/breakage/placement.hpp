@@ -14,12 +14,13 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Where spherical fragments lie in the sphere of `radius` [m] that they come from: centres, from
-/// its own. All are inside of it, their centre of mass is its centre to rounding. They overlap:
-/// spheres of the whole mass would fill it, which spheres cannot (at most 74 %). Each finds its
-/// place in its turn, the largest first, among 12 random ones that which overlaps the least with
-/// those before it.
-/// Radii [m] descending, none above `radius`; masses [kg]. One fragment lies at the centre.
+/// Places spherical fragments inside their parent sphere of `radius` [m]; returns centres relative
+/// to its centre. All are inside, and their centre of mass is the centre of the parent to rounding.
+/// They overlap: with the whole mass they would have to fill the sphere, and spheres fill at most
+/// 74 %. The largest is placed first. Each takes, of 12 random positions, that with the least
+/// overlap with those before it.
+///
+/// Radii [m] descending, none above `radius`; masses [kg]. A single fragment is at the centre.
 inline std::vector<Vec3d> place_fragments(std::span<const double> radii,
                                           std::span<const double> masses, double radius,
                                           Random& random) {
@@ -33,7 +34,7 @@ inline std::vector<Vec3d> place_fragments(std::span<const double> radii,
   };
   for (std::size_t k = 0; k < radii.size(); ++k) {
     Vec3d best{0, 0, 0};
-    double widest = -HUGE_VAL;  // [m] gap to the nearest before it
+    double widest = -HUGE_VAL;  // [m] gap to the nearest earlier one
     for (int t = 0; t < trials && radii.size() > 1; ++t) {
       const Vec3d p = somewhere(radii[k]);
       double gap = HUGE_VAL;
@@ -47,7 +48,7 @@ inline std::vector<Vec3d> place_fragments(std::span<const double> radii,
   double mass = 0;
   for (std::size_t k = 0; k < places.size(); ++k)
     moment += masses[k] * places[k], mass += masses[k];
-  double scale = 1;  // that brings all inside again
+  double scale = 1;  // factor that brings all inside again
   for (std::size_t k = 0; k < places.size(); ++k) {
     places[k] -= (1 / mass) * moment;
     const double room = std::max(radius - radii[k], 0.0), way = norm(places[k]);
@@ -57,8 +58,9 @@ inline std::vector<Vec3d> place_fragments(std::span<const double> radii,
   return places;
 }
 
-/// The angular velocity [rad/s] of spheres that turn as one rigid body about the origin with the
-/// angular momentum L [kg m2/s]; inertia_factor: 2/5, that of a sphere about its centre over m r^2.
+/// Angular velocity [rad/s] of spheres that rotate as one rigid body about the origin with the
+/// angular momentum L [kg m2/s]; inertia_factor: 2/5 for spheres, moment about the centre over m
+/// r^2.
 inline Vec3d rotation_of_fragments(std::span<const Vec3d> places, std::span<const double> radii,
                                    std::span<const double> masses, double inertia_factor,
                                    const Vec3d& L) {

@@ -5,17 +5,17 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Selection function: the probability [-] that a particle of this size, not weakened before,
-/// breaks in this impact. It is not drawn: a particle breaks where the load reaches the strength of
-/// its rank, which is this share of them.
-/// A log-logistic strength of the spread s and F = C d^2 v^1.2 give
+/// Selection function: probability [-] that a particle of this size, not weakened before, breaks in
+/// this impact. It is not used to draw breakages: a particle breaks if the load reaches the
+/// strength of its rank, and this is the share of such particles.
+/// A log-logistic strength with the spread s and F = C d^2 v^1.2 give
 ///   S = 1 - 1/(1 + (v/v50)^(1.2 s)),  v50 = (F50/(C d^2))^(1/1.2).
 /// Tests: tests/breakage/selection.cpp (this form; the share of drawn ranks).
 template <Strength S, Equivalence E>
 double selection(const S& strength, const E& equivalence, const Impact& impact) {
   static_assert(same_load_unit<S, E>(),
-                "this strength is an energy and the equivalence gives a force, or the other way "
-                "round: take an equivalence whose unit is that of the strength");
+                "this strength is an energy and the equivalence gives a force, or vice "
+                "versa: use an equivalence with the unit of the strength");
   return strength.weaker(equivalence.load(impact), impact.diameter, impact.mass);
 }
 

@@ -13,9 +13,9 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A sum that keeps what rounding takes from it.
-/// Source: A. Neumaier, ZAMM 54 (1974) 39. Error of some 1e-16 of the sum of the sizes of what is
-///         added, however many.
+/// Compensated sum.
+/// Source: A. Neumaier, ZAMM 54 (1974) 39. Error of some 1e-16 of the sum of absolute values, for
+///         any number of terms.
 class CompensatedSum {
  public:
   CompensatedSum() = default;
@@ -35,27 +35,28 @@ class CompensatedSum {
   double sum_ = 0, rest_ = 0;
 };
 
-/// How much mass and how many particles there are of each size, and when they came: the dust that
-/// is no longer simulated, or what has left.
+/// Mass and number of particles by size, with their arrival times: the dust, which is no longer
+/// simulated, or what has left.
 ///
-/// Classes of diameters [edge(k), edge(k + 1)): ten of 1 um each up to 10 um, then each wider than
-/// the one before by sqrt(2), without end. The time since 0 is in at most `most_bins` intervals of
-/// one width, which doubles (bins merge in pairs) whenever a time lies beyond the last.
+/// Diameter classes [edge(k), edge(k + 1)): ten of 1 um each up to 10 um, then each wider than the
+/// previous one by sqrt(2), without limit. The time since 0 is divided into at most `most_bins`
+/// equal intervals; when a time is beyond the last one, intervals are merged in pairs and their
+/// width doubles.
 ///
 /// Source: the classes are those of Brosh, Kalman and Levy 2014.
-/// Valid:  sums of mass and number of 1e7 additions are right to 1e-12 (computed: 1e-15). At edges
-///         finer() is as exact; within a class it is off, mostly too high: by up to 1.5 % of itself
-///         where the share goes as x, by 2 % at the kink that T10Sizes has at d/10 of parents of
-///         one size d.
+/// Valid:  sums of mass and number of 1e7 additions are right to 1e-12 (computed: 1e-15). finer()
+///         is as exact at class edges. Within a class it errs, mostly upwards: by up to 1.5 % of
+///         itself where the share is proportional to x, by 2 % at the kink of T10Sizes at d/10 for
+///         parents of one size d.
 /// Units:  SI.
-/// Errors: InputError naming field, value, unit and allowed range. A restored state is taken whole
-///         or refused whole.
+/// Errors: InputError naming field, value, unit and allowed range. A state is restored completely
+///         or refused.
 /// Tests:  tests/breakage/size_table.cpp.
 class SizeTable {
  public:
   static constexpr std::size_t most_bins = 64;
 
-  /// `bin_width` [s] of the intervals of time at the start.
+  /// `bin_width` [s]: initial width of the time intervals.
   explicit SizeTable(double bin_width = 1e-3) : bin_width_(bin_width) {
     require_positive("SizeTable: bin_width", bin_width, "s");
   }
@@ -77,7 +78,7 @@ class SizeTable {
     return diameter >= edge(k + 1) ? k + 1 : k;
   }
 
-  /// `number` particles of this diameter [m], with this mass [kg] together, at a time [s].
+  /// Adds `number` particles of this diameter [m] with the total mass [kg] at a time [s].
   void add(double diameter, double mass, double number, double time) {
     require_in("SizeTable: diameter", diameter, "m", 1e-300, 1e6);
     require_not_negative("SizeTable: mass", mass, "kg");
@@ -88,13 +89,13 @@ class SizeTable {
     classes_[k].mass.add(mass), classes_[k].number.add(number), classes_[k].in_time[bin].add(mass);
     include(diameter);
   }
-  /// Adds what another table has. Their bins must have been made with the same width.
+  /// Adds another table. Both must have been made with the same bin width.
   void merge(const SizeTable& other) {
     int exponent = 0;
     require(std::frexp(other.bin_width_ / bin_width_, &exponent) == 0.5,
             "SizeTable: merge of a table with bins of ", other.bin_width_, " [s] into one of ",
             bin_width_,
-            " [s]: one must be the other times a power of 2, so make both with the "
+            " [s]: one must be a power of 2 times the other; make both with the "
             "same bin_width");
     while (bin_width_ < other.bin_width_) double_bins();
     SizeTable added = other;
@@ -110,35 +111,35 @@ class SizeTable {
     include(added.largest_);
   }
 
-  /// How many classes there are up to the largest that anything was added to.
+  /// Number of classes up to the largest diameter added.
   std::size_t classes() const { return classes_.size(); }
   double mass(std::size_t k) const { return at(k).mass.value(); }      // [kg]
   double number(std::size_t k) const { return at(k).number.value(); }  // [-]
   double mass() const { return sum_of(&Class::mass); }                 // [kg] of all
   double number() const { return sum_of(&Class::number); }             // [-] of all
 
-  /// How many intervals of time there are, up to the last that anything was added to.
+  /// Number of time intervals up to the last time added.
   std::size_t bins() const { return bins_; }
   double bin_width() const { return bin_width_; }  // [s]
-  /// [kg] of class k that came in [bin, bin + 1) bin_width().
+  /// [kg] of class k in the time interval [bin, bin + 1) bin_width().
   double mass(std::size_t k, std::size_t bin) const {
     require(bin < bins_, "SizeTable: interval ", bin, " of time: there are ", bins_,
             ", counted from 0");
     return at(k).in_time[bin].value();
   }
 
-  /// [m] the largest diameter that was added, or that include() has told of.
+  /// [m] largest diameter that was added, or passed to include().
   double largest() const { return largest_; }
-  /// [m] where class k ends: its upper edge, of the last one the largest diameter.
+  /// [m] end of class k: its upper edge; for the last class the largest diameter.
   double end_of(std::size_t k) const {
     if (k + 1 < classes_.size()) return edge(k + 1);
     return std::clamp(largest_, edge(k) + 1e-12 * edge(k + 1), edge(k + 1));
   }
-  /// Tells that what was added to the last class reaches up to this diameter [m].
+  /// Extends the last class to this diameter [m].
   void include(double diameter) { largest_ = std::max(largest_, diameter); }
 
-  /// Share of the mass [-] below the diameter x [m]; within a class it is linear in ln x, in the
-  /// first in x; the last class ends with largest(). 0 of an empty table.
+  /// Share of the mass [-] below the diameter x [m]. Linear in ln x within a class, in the first
+  /// class in x; the last class ends at largest(). 0 for an empty table.
   double finer(double x) const {
     const double all = mass();
     if (!(x > 0) || !(all > 0)) return 0;
@@ -150,7 +151,7 @@ class SizeTable {
     below.add(mass(within) * (within == 0 ? x / b : std::log(x / a) / std::log(b / a)));
     return std::min(below.value() / all, 1.0);
   }
-  /// The diameter [m] that this share in [0, 1] of the mass is finer than, the inverse of finer():
+  /// Diameter [m] below which this share in [0, 1] of the mass is, the inverse of finer():
   /// quantile(0.5) is d50.
   double quantile(double share) const {
     require_in("SizeTable: share", share, "-", 0, 1);
@@ -161,7 +162,7 @@ class SizeTable {
     for (std::size_t k = 0; k < classes_.size(); ++k) {
       if (!(mass(k) > 0)) continue;
       const double rest = share * all - below.value(), a = edge(k), b = end_of(k);
-      if (rest <= 0 && below.value() > 0) return x;  // the upper edge of the class before
+      if (rest <= 0 && below.value() > 0) return x;  // the upper edge of the previous class
       const double part = std::clamp(rest / mass(k), 0.0, 1.0);
       x = k == 0 ? b * part : a * std::pow(b / a, part);
       if (part < 1) return x;
@@ -170,7 +171,7 @@ class SizeTable {
     return x;
   }
 
-  /// All of it as numbers, for checkpoints.
+  /// Complete state as numbers, for checkpoints.
   std::vector<double> state() const {
     std::vector<double> out{bin_width_, static_cast<double>(bins_),
                             static_cast<double>(classes_.size()), largest_};
@@ -184,7 +185,8 @@ class SizeTable {
   }
   void restore(std::span<const double> state) {
     const auto wanted = [&](bool condition) {
-      require(condition, "SizeTable: these ", state.size(), " numbers are no state of a SizeTable");
+      require(condition, "SizeTable: these ", state.size(),
+              " numbers are not a state of a SizeTable");
     };
     wanted(state.size() >= 4 && std::isfinite(state[0]) && state[0] > 0 && state[1] >= 0 &&
            state[1] <= most_bins && state[2] >= 0 && state[2] <= 1e5);
@@ -250,16 +252,16 @@ class SizeTable {
   std::vector<Class> classes_;
 };
 
-/// Tables of sizes: of all, and of each material where there are several.
+/// Size tables: one for all, and with several materials one for each.
 struct SizeTables {
   SizeTable all;
-  std::vector<SizeTable> of;  // by number, as far as any came
+  std::vector<SizeTable> of;  // by material number, as far as any was added
 
-  /// The table of this material; an empty one if nothing came.
+  /// The table of this material; an empty one if nothing was added.
   SizeTable of_material(std::size_t material) const {
     return material < of.size() ? of[material] : SizeTable();
   }
-  /// Calls add(table) for each table that what is of this material belongs to.
+  /// Calls add(table) for each table to which this material belongs.
   template <bool SeveralMaterials, class Add>
   void add(std::size_t material, const Add& add) {
     add(all);
@@ -268,7 +270,7 @@ struct SizeTables {
       add(of[material]);
     }
   }
-  /// Those of the materials as numbers: of each how many, and the numbers.
+  /// State of the tables of materials as numbers: for each the length, then the numbers.
   std::vector<double> state_of_materials() const {
     std::vector<double> out;
     for (const SizeTable& table : of) {
@@ -278,7 +280,7 @@ struct SizeTables {
     }
     return out;
   }
-  /// InputError: they are no tables.
+  /// InputError if the numbers are not a valid state.
   void restore_of_materials(const std::vector<double>& numbers) {
     of.clear();
     for (std::size_t at = 0; at < numbers.size();) {

@@ -9,7 +9,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Breakage functions: B(x), the share of the mass of a parent of diameter d in fragments of
+/// Breakage functions: B(x), share of the mass of a parent of diameter d in fragments with
 /// diameters below x.
 ///
 ///   GaudinSchuhmann    B = (x/(k d))^q up to x = k d,  k = coarsest (strength/load)^refining  (1)
@@ -18,18 +18,19 @@ namespace silt::inline SILT_TARGET {
 ///   VogelPeukertSizes  B = (x/d)^q h(x)/h(d),  h = 1 + tanh((x - x0)/x0),  q = c v + q0       (4)
 ///   T10Sizes: breakage/t10_sizes.hpp
 ///
-/// Source: (1) to (3) textbooks; that k falls with the load is an own form, without `refining` k is
-///         constant. (4) Vogel and Peukert 2005 (recalled), here divided by its value at d, which
-///         is 1 - 2 exp(2 - 2 d/x0): 3e-8 below 1 at d = 10 x0. No value of a material is built in.
+/// Source: (1) to (3) textbooks; the decrease of k with the load is silt's own form; without
+///         `refining` k is constant. (4) Vogel and Peukert 2005 (recalled), here divided by its
+///         value at d, which is 1 - 2 exp(2 - 2 d/x0): 3e-8 below 1 at d = 10 x0. No material data
+///         are built in.
 /// Valid:  0 <= x; 1 from largest() on.
 /// Units:  SI.
-/// Errors: check() throws InputError naming field, value, unit and allowed range; check_sizes
-///         probes any breakage function.
+/// Errors: check() throws InputError naming field, value, unit and allowed range; check_sizes tests
+///         any breakage function.
 /// Tests:  tests/breakage/sizes.cpp.
 struct GaudinSchuhmann {
   double exponent;      // [-] q > 0
-  double coarsest;      // [-] in (0, 1]: largest fragment over the parent where load = strength
-  double refining = 0;  // [-] >= 0: how fast the largest fragment shrinks as the load grows
+  double coarsest;      // [-] in (0, 1]: largest fragment over the parent at load = strength
+  double refining = 0;  // [-] >= 0: how fast the largest fragment shrinks with the load
   static constexpr std::array names{"exponent", "coarsest", "refining"};
 
   double finer(double x, const Broken& parent) const {
@@ -73,7 +74,7 @@ struct RosinRammler {
 };
 
 struct Austin {
-  double share;            // [-] phi in [0, 1]: of the fine part
+  double share;            // [-] phi in [0, 1] of the fine part
   double coarse_exponent;  // [-] >= fine_exponent
   double fine_exponent;    // [-] > 0
   static constexpr std::array names{"share", "coarse_exponent", "fine_exponent"};
@@ -97,7 +98,7 @@ struct Austin {
 struct VogelPeukertSizes {
   double per_speed;  // [s/m] c >= 0
   double exponent;   // [-] q0 > 0: q of a slow impact
-  double finest;     // [m] x0 > 0, where the power law ends
+  double finest;     // [m] x0 > 0, lower end of the power law
   static constexpr std::array names{"per_speed", "exponent", "finest"};
 
   double finer(double x, const Broken& parent) const {
@@ -120,10 +121,10 @@ struct VogelPeukertSizes {
 static_assert(BreakageFunction<GaudinSchuhmann> && BreakageFunction<RosinRammler> &&
               BreakageFunction<Austin> && BreakageFunction<VogelPeukertSizes>);
 
-/// Refuses a breakage function that would create or lose mass, as far as 1200 sizes from 1e-9 d to
-/// d can show it: shares outside [0, 1], a share that falls with the size, 0 not at 0, 1 not from
-/// the largest fragment on, or a largest fragment that exceeds the parent. A fall below 1e-6 is let
-/// through (fragment_sizes takes no mass from it): fits of several t_n cross by that.
+/// Refuses a breakage function that would create or lose mass, tested at 1200 sizes from 1e-9 d to
+/// d: shares outside [0, 1], a share that decreases with size, not 0 at 0, not 1 from the largest
+/// fragment on, or a largest fragment larger than the parent. A decrease below 1e-6 is accepted
+/// (fragment_sizes takes no mass from it), because fits of several t_n cross by as much.
 template <BreakageFunction Function>
 void check_sizes(const Function& function, const Broken& parent) {
   const double d = parent.diameter, most = function.largest(parent);
@@ -138,15 +139,15 @@ void check_sizes(const Function& function, const Broken& parent) {
   };
   double before = at(0), x_before = 0;
   require(before == 0, "breakage function: finer(0) = ", before,
-          " [-] must be 0: no fragment is smaller than nothing");
+          " [-] must be 0: no fragment is smaller than size 0");
   for (const double x : {most, 0.5 * (most + d), d, 2 * d})
     require(at(x) >= 1 - 1e-12, "breakage function: finer(", x, " [m]) = ", at(x),
-            " [-] must be 1 from largest() = ", most, " [m] on: the rest of the mass is lost");
+            " [-] must be 1 from largest() = ", most, " [m] on: otherwise mass is lost");
   for (int k = 0; k <= 1200; ++k) {
     const double x = d * std::pow(10.0, -9.0 * (1200 - k) / 1200), share = at(x);
     require(share >= before - 1e-6, "breakage function: finer(", x, " [m]) = ", share,
             " [-] is below finer(", x_before, " [m]) = ", before,
-            " [-], so the mass between them would be negative: finer() must not fall");
+            " [-], and the mass between them would be negative: finer() must not decrease");
     before = share, x_before = x;
   }
 }

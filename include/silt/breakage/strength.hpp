@@ -13,7 +13,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Strengths of particles of the diameter d, with the rank P in (0, 1):
+/// Strengths of particles with the diameter d and the rank P in (0, 1):
 ///
 ///   LogLogisticStrength   P = 1 - 1/(1 + (F/F50)^s),       F = F50 (P/(1 - P))^(1/s)      (1)
 ///   WeibullStrength       P = 1 - exp(-(F/F0)^m),          F = F0 (-ln(1 - P))^(1/m)      (2)
@@ -23,14 +23,14 @@ namespace silt::inline SILT_TARGET {
 ///       E50 = Einf/(1 + kp/kst) (1 + (d0/d)^phi)   per mass [J/kg]                        (6)
 ///   VogelPeukertStrength  P = 1 - exp(-f_mat d (W - W_min)), d W_min given; W [J/kg]      (7)
 ///
-/// (1) to (4) hold for forces [N] and for energies [J] alike: values are in the unit of the loads
-/// they are compared with. (5) to (7) are energies [J]: the particle's mass times (5), (7). In (5)
-/// E50 is the median of E*, so that of E is E50/(1 + E50/Emax). (7) is of one impact (k = 1).
+/// (1) to (4) hold for forces [N] and energies [J]: values have the unit of the loads with which
+/// they are compared. (5) to (7) are energies [J]: the particle's mass times (5), (7). In (5) E50
+/// is the median of E*; the median of E is E50/(1 + E50/Emax). (7) is for one impact (k = 1).
 ///
-/// Source: (1) after Rozenblat et al. 2011 (recalled); (2), (3) textbooks; (5), (6) Tavares and
-///         King 1998, Tavares and Carvalho 2009 (recalled); (7) Vogel and Peukert 2003 (recalled).
-///         No value of a material is built in; those of docs/breakage.md are recalled or synthetic.
-/// Valid:  d > 0. `weaker` at loads >= 0. Exact inverses of each other to rounding.
+/// Source: (1) by Rozenblat et al. 2011 (recalled); (2), (3) textbooks; (5), (6) Tavares and King
+///         1998, Tavares and Carvalho 2009 (recalled); (7) Vogel and Peukert 2003 (recalled). No
+///         material data are built in; those of docs/breakage.md are recalled or synthetic.
+/// Valid:  d > 0. `weaker` at loads >= 0. The two functions are inverse to rounding.
 /// Units:  SI: d [m], mass [kg].
 /// Errors: check() throws InputError naming field, value, unit and allowed range.
 /// Tests:  tests/breakage/strength.cpp.
@@ -44,7 +44,7 @@ struct LogLogisticStrength {
   double median;       // [N or J] F50 at `at_diameter`, > 0
   double at_diameter;  // [m] d0 > 0
   double exponent;     // [-] b
-  double spread;       // [-] s > 0: the larger, the narrower
+  double spread;       // [-] s > 0: larger is narrower
   static constexpr std::array names{"median", "at_diameter", "exponent", "spread"};
 
   double strength(double diameter, double /*mass*/, double rank) const {
@@ -68,7 +68,7 @@ struct WeibullStrength {
   double scale;        // [N or J] F0 at `at_diameter`, > 0: 63 % are weaker
   double at_diameter;  // [m] d0 > 0
   double exponent;     // [-] b
-  double modulus;      // [-] m > 0: the larger, the narrower
+  double modulus;      // [-] m > 0: larger is narrower
   static constexpr std::array names{"scale", "at_diameter", "exponent", "modulus"};
 
   double strength(double diameter, double /*mass*/, double rank) const {
@@ -117,7 +117,7 @@ struct TavaresStrength {
   double at_diameter;              // [m] d0 > 0
   double exponent;                 // [-] phi >= 0
   double deviation;                // [-] sigma > 0
-  double contact_stiffness_ratio;  // [-] kp/kst >= 0, of the particle and the steel that hit it
+  double contact_stiffness_ratio;  // [-] kp/kst >= 0, particle over steel
   double largest_ratio = std::numeric_limits<double>::infinity();  // [-] Emax/E50 > 0; inf: none
   static constexpr LoadUnit unit = LoadUnit::Energy;
   static constexpr std::array names{
@@ -146,13 +146,13 @@ struct TavaresStrength {
     require_positive("TavaresStrength.deviation", deviation, "-");
     require_not_negative("TavaresStrength.contact_stiffness_ratio", contact_stiffness_ratio, "-");
     require(largest_ratio > 0, "TavaresStrength.largest_ratio = ", largest_ratio,
-            " [-] must be greater than 0 (infinity: strengths are not cut)");
+            " [-] must be greater than 0 (infinity: no upper limit of strengths)");
   }
 };
 
 struct VogelPeukertStrength {
   double f_mat;  // [kg/(J m)] > 0
-  double least;  // [J m/kg] d W_min >= 0: no particle breaks below
+  double least;  // [J m/kg] d W_min >= 0: no breakage below
   static constexpr LoadUnit unit = LoadUnit::Energy;
   static constexpr std::array names{"f_mat", "least"};
 

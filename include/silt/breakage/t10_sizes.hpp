@@ -12,8 +12,8 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// The continued fraction of the incomplete beta function, by Lentz' method: for x below
-/// (a + 1)/(a + b + 2), where it converges fast.
+/// Continued fraction of the incomplete beta function, by Lentz' method, for x below (a + 1)/(a + b
+/// + 2), where it converges fast.
 inline double beta_fraction(double x, double a, double b) {
   constexpr double tiny = 1e-300;
   const auto kept = [](double value) { return std::abs(value) < tiny ? tiny : value; };
@@ -28,7 +28,7 @@ inline double beta_fraction(double x, double a, double b) {
   return h;
 }
 
-/// I_x(a, b) [-], the regularised incomplete beta function, for a, b in (0, 80].
+/// Regularised incomplete beta function I_x(a, b) [-], for a, b in (0, 80].
 /// Source: Abramowitz and Stegun 26.5.8; W. J. Lentz, Appl. Opt. 15 (1976) 668. Error about 1e-14.
 inline double incomplete_beta(double x, double a, double b) {
   if (!(x > 0)) return 0;
@@ -47,13 +47,13 @@ inline double incomplete_beta(double x, double a, double b) {
 ///   t_n = I_t10(alpha_n, beta_n), the share finer than d/n                               (2)
 ///   E/E50 = load/strength of energies, (load/strength)^(5/3) of forces                   (3)
 ///
-/// Between the sizes d/n of the table B is a power of x; below d/75 that of the last interval goes
-/// on. (3) takes the strength of the particle that breaks for the median E50 of those that do.
+/// Between the sizes d/n of the table B is a power of x; below d/75 the power of the last interval
+/// continues. (3) uses the strength of the breaking particle in place of the median E50.
 ///
-/// Source: (1), (2) and the values of `ore` Tavares and Carvalho 2009, Carvalho and Tavares 2013
-///         (all recalled, for a copper ore: check them before a claim rests on them). (3) Hertz.
-/// Valid:  limit in (0, 1]. The t_n are fits of their own: check_sizes refuses sets in which they
-///         cross; those of `ore` do by 2e-7 of the mass at t10 = 0.63.
+/// Source: (1), (2) and the values of `ore`: Tavares and Carvalho 2009, Carvalho and Tavares 2013
+///         (all recalled, for a copper ore: check them before use in publications). (3) Hertz.
+/// Valid:  limit in (0, 1]. The t_n are independent fits: check_sizes refuses sets in which they
+///         cross; those of `ore` cross by 2e-7 of the mass at t10 = 0.63.
 /// Units:  [-].
 /// Errors: check() throws InputError naming field, value, unit and allowed range.
 /// Tests:  tests/breakage/sizes.cpp.
@@ -85,7 +85,7 @@ struct T10Sizes {
     if (x >= parent.diameter) return 1;
     if (!(x > 0)) return 0;
     const double n = parent.diameter / x, t = t10(parent);
-    // The interval of the table [d/n_2, d/n_1] that x lies in; rank 0 is d itself, 5 is t10.
+    // The interval [d/n_2, d/n_1] of the table that contains x; rank 0 is d, 5 is t10.
     std::size_t k = 1;
     while (k < 8 && n > n_at(k)) ++k;
     const double n1 = n_at(k - 1), n2 = n_at(k), t1 = share_at(k - 1, t), t2 = share_at(k, t);

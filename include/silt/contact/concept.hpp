@@ -10,32 +10,32 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What a contact law sees of one pair (`Real` = double) or of one pair a lane (`Real` = batch).
+/// Input of a contact law: one pair (`Real` = double) or one pair per lane (`Real` = batch).
 ///
-/// Velocities are of particle i relative to j at the contact point, at the half step between the
-/// last positions and the present ones, decomposed in the frame that the contact had at that same
-/// instant: their time integral is the exact relative displacement (Vyas et al., Comput. Phys.
-/// Commun. 310 (2025) 109524, show what goes wrong otherwise). Only where overlap > 0 does a law's
-/// answer matter: results and history of the other lanes are dropped by the engine. A law with a
-/// range is asked for signed overlaps, down to minus that.
+/// Velocities are those of particle i relative to j at the contact point. They are taken at the
+/// half step between the last and the present positions and decomposed in the contact frame of that
+/// instant. Their time integral is then the exact relative displacement; Vyas et al., Comput. Phys.
+/// Commun. 310 (2025) 109524, show the errors that other choices cause. The engine uses the results
+/// only where overlap > 0 and discards force and history of the other lanes. A law with a range
+/// also gets gaps, as overlaps down to -range.
 template <class Real>
 struct Contact {
   Vec3<Real> normal;               // [-] unit, from j to i
-  Real overlap;                    // [m] > 0 touching; < 0, a gap: of laws with a range alone
+  Real overlap;                    // [m] > 0 touching; < 0 a gap, only for laws with a range
   Real normal_velocity;            // [m/s] > 0 separating
   Vec3<Real> tangential_velocity;  // [m/s] in the tangent plane
   Real R_eff;                      // [m] 1/(1/Ri + 1/Rj); Rj infinite at a wall
   Real m_eff;                      // [kg] 1/(1/mi + 1/mj); mj infinite at a wall
   Real inverse_m_eff;              // [1/kg]
-  Real radius_i, radius_j;         // [m], of a wall 0; of laws that say `needs_radii` alone
+  Real radius_i, radius_j;         // [m], 0 for a wall; only for laws with `needs_radii`
   Vec3<Real> turn;                 // [rad] rotation of the contact frame during the last step
   Real time_step;                  // [s]
   Real lag;                        // [s] twice the age of the velocities: time_step, or 0 (Gear)
-  /// [-] m_eff over the mass that resists slip, 1 + m r^2/I: 7/2 of solid spheres
+  /// [-] m_eff over the mass that resists slip, 1 + m r^2/I: 7/2 for solid spheres
   Real slip_mobility = Real(3.5f);
 
-  /// A vector of the last step's tangent plane, turned with the contact into the present tangent
-  /// plane, its length kept.
+  /// Rotates a vector of the last step's tangent plane with the contact into the present one. The
+  /// length is kept.
   Vec3<Real> transported(const Vec3<Real>& v) const {
     // A rotation to second order: the length errs by turn^4/8 a step.
     const Vec3<Real> r = v + cross(turn, v + Real(0.5) * cross(turn, v));
@@ -43,34 +43,34 @@ struct Contact {
   }
 };
 
-/// What a frictional law returns: the force on i, split along and across the normal.
+/// Result of a frictional law: the force on i, split into normal and tangential parts.
 template <class Real>
 struct Traction {
   Real normal;            // [N] > 0 pushes i away from j
   Vec3<Real> tangential;  // [N]
 };
 
-/// What a contact stores, for the energy ledger: the part of its force that gives energy back.
+/// What a contact stores, for the energy ledger: the elastic part of its force and its energy.
 template <class Real>
 struct Stored {
   Real force;         // [N] of the normal spring
   Real normal;        // [J] in it
   Vec3<Real> spring;  // [N] of the tangential spring
   Real tangential;    // [J] in it
-  /// [N s/m] of the dashpot that makes the tangential force what the spring's is not; 0: none
+  /// [N s/m] of the dashpot that supplies the rest of the tangential force; 0: none
   Real damping = Real(0);
-  /// [J] that the tangential spring got in the last step without work, of laws that keep its
-  /// elongation while its stiffness changes
+  /// [J] gained by the tangential spring in the last step without work. Only for laws that keep the
+  /// elongation while the stiffness changes.
   Real stiffening = Real(0);
 };
 
-/// What a rolling model sees of one pair or of one pair a lane.
+/// Input of a rolling model: one pair or one pair per lane.
 template <class Real>
 struct RollingContact {
   Vec3<Real> normal;            // [-] from j to i
-  Vec3<Real> angular_velocity;  // [rad/s] of i relative to j, without its part along the normal
-  Real twist;                   // [rad/s] that part, > 0 about the normal
-  Vec3<Real> spin_velocity;     // [m/s] Ri wi + Rj wj; at a wall Ri wi
+  Vec3<Real> angular_velocity;  // [rad/s] of i relative to j, tangential part
+  Real twist;                   // [rad/s] normal part, > 0 about the normal
+  Vec3<Real> spin_velocity;     // [m/s] Ri wi + Rj wj; Ri wi at a wall
   Real overlap;                 // [m]
   Real normal_force;            // [N] >= 0
   Real normal_stiffness;        // [N/m] dF_n/d(overlap)
@@ -80,25 +80,25 @@ struct RollingContact {
   Real time_step;               // [s]
   /// [-] I/(I + m r^2): the inertia of twisting, 1/(1/Ii + 1/Ij), over inertia_eff
   Real share_of_rolling = Real(static_cast<ScalarOf<Real>>(2.0 / 7.0));
-  // Of springs that remember a couple: they lose what they cannot hold as they soften.
-  Real unloading = Real(1);  // [-] <= 1 normal_stiffness over that one step ago
-  Real shrinking = Real(1);  // [-] <= 1 overlap over that one step ago
+  // For springs that store a couple: it is reduced as the stiffness falls.
+  Real unloading = Real(1);  // [-] <= 1 normal_stiffness over its value one step ago
+  Real shrinking = Real(1);  // [-] <= 1 overlap over its value one step ago
 
-  /// A couple against `rotation` [rad/s], of the size `limit` [N m] but for rotations so slow that
-  /// some steps would turn them round: those it damps, over 8 steps.
+  /// A couple against `rotation` [rad/s] of the size `limit` [N m]. Rotations so slow that the
+  /// couple would reverse them within a few steps are damped over 8 steps instead.
   Vec3<Real> against(const Vec3<Real>& rotation, const Real& limit) const {
     const Real size = sqrt(max(dot(rotation, rotation), smallest<Real>()));
     return -min(limit / size, inertia_eff / (Real(8) * time_step)) * rotation;
   }
 };
 
-/// What a rolling model that looks at each partner's own rotation sees besides.
+/// Additional input of a rolling model that uses each partner's own rotation.
 template <class Real>
 struct OwnRotations {
   Vec3<Real> of_i, of_j;    // [rad/s]
   Real radius_i, radius_j;  // [m]; 0 of a wall
 };
-/// What it returns: couples [N m] that need not be opposite.
+/// Result of such a model: couples [N m], not necessarily opposite.
 template <class Real>
 struct OwnCouples {
   Vec3<Real> on_i, on_j;
@@ -134,7 +134,7 @@ constexpr std::size_t history_size() {
     return 0;
 }
 
-/// A law's history in double, from number(n), its n-th Real.
+/// A law's history in double precision; number(n) returns its n-th Real.
 template <class L, class Number>
 typename HistoryOf<L, double>::type history_of(const Number& number) {
   typename HistoryOf<L, double>::type h;
@@ -146,7 +146,7 @@ typename HistoryOf<L, double>::type history_of(const Number& number) {
   return h;
 }
 
-/// Calls the law with or without history.
+/// Calls the law, with its history if it has one.
 template <class L, class Real, class C, class P, class H>
 requires HasHistory<L> SILT_INLINE auto law_force(const C& contact, const P& coefficients,
                                                   H& history)
@@ -159,7 +159,7 @@ requires(!HasHistory<L>) SILT_INLINE auto law_force(const C& contact, const P& c
   return L::force(contact, coefficients);
 }
 
-/// What the law stores, with or without history.
+/// What the law stores, with its history if it has one.
 template <class L, class Real, class H>
 SILT_INLINE Stored<Real> stored_by(const Contact<Real>& contact,
                                    const typename L::template Coefficients<Real>& coefficients,
@@ -185,7 +185,7 @@ using ForceOf =
                                   std::declval<const typename L::template Coefficients<double>&>(),
                                   std::declval<typename HistoryOf<L, double>::type&>()));
 
-/// An aggregate of doubles, given lane by lane, as the same aggregate of Reals.
+/// Converts an aggregate of doubles, given lane by lane, to the same aggregate of Reals.
 template <template <class> class Aggregate, class Real>
 SILT_INLINE Aggregate<Real> broadcast(const Aggregate<double>& a) {
   constexpr std::size_t n = sizeof(Aggregate<double>) / sizeof(double);
@@ -197,54 +197,56 @@ SILT_INLINE Aggregate<Real> broadcast(const Aggregate<double>& a) {
 
 }  // namespace detail
 
-/// A contact law: pure functions of one pair. Needs
-///   struct Material                       what the user sets, equality comparable
-///   template <class Real> struct Coefficients    what the kernel needs of a pair: Reals only;
+/// Contact law: pure functions of one pair. Required:
+///   struct Material                       what the user sets; equality comparable
+///   template <class Real> struct Coefficients    what the kernel needs for a pair, only Reals;
 ///                                                static constexpr std::array names: for messages
 ///   static Coefficients<double> mix(const Material&, const Material& [, const Pair&])
-///   static force(Contact<Real>, Coefficients<Real> [, History<Real>&])   in + - * / and the
-///     functions of core/lanes.hpp: select() and no `if` on data, which is refused at compile time
-///     (core/probe.hpp) unless the scene has KernelsFor<OneLane>. Returns Real (central force:
-///     particles need no rotation) or Traction<Real>. SILT_INLINE: in a large unit compilers stop
-///     inlining (a step: 1.45 times).
-/// Optional, each found by its name:
+///   static force(Contact<Real>, Coefficients<Real> [, History<Real>&])
+///     Uses + - * / and the functions of core/lanes.hpp: select() instead of `if` on data. An `if`
+///     is refused at compile time (core/probe.hpp), except with KernelsFor<OneLane>. Returns Real
+///     (a central force; particles do not rotate) or Traction<Real>. Declare it SILT_INLINE: in a
+///     large translation unit compilers stop inlining, and a step takes 1.45 times as long.
+/// Optional members, detected by name:
 ///   template <class Real> struct History  Reals kept while the contact lasts, zero at first touch
-///   struct Pair                           values that belong to two materials (restitution, ...)
-///     with `static Pair like(const Material&)` for a material against itself
+///   struct Pair                           values of a pair of materials (restitution, ...)
+///     with `static Pair like(const Material&)` for two bodies of the same material
 ///   static void check(const Material&), check(const Pair&)      throw InputError
-///   static double contact_time(Coefficients<double>, R_eff, m_eff, speed)    [s], for the step
+///   static double contact_time(Coefficients<double>, R_eff, m_eff, speed)    [s], for time steps
 ///   static Real stiffness(Contact<Real>, Coefficients<Real>)    [N/m], for rolling resistance
-///   static Real unloading(Contact<Real>, Coefficients<Real>)    [-] <= 1, stiffness over that one
-///     step ago, where a closed form is cheaper than to ask stiffness() twice
-///   static Real range(Coefficients<Real>, Real R_eff)    [m], of laws that act at a distance:
-///     force and history live while the gap is smaller; must not fall as R_eff grows
-///   static constexpr bool needs_radii = true    Contact::radius_i and radius_j are set, and
-///     contact_time is asked with R_i, R_j (0: wall), m_eff, speed
-///   static Coefficients<Real> scaled(Coefficients<Real>, Real factor)    of a body that is
-///     `factor` times as stiff, `static double compliance(const Material&)` [1/Pa] or [m/N] of one
-///     partner, and `static double impact_force(Coefficients<double>, R_eff, m_eff, speed)` [N],
+///   static Real unloading(Contact<Real>, Coefficients<Real>)    [-] <= 1, stiffness over its
+///     value one step ago, where a closed form is cheaper than two calls of stiffness()
+///   static Real range(Coefficients<Real>, Real R_eff)    [m], for laws that act at a distance:
+///     force and history exist while the gap is smaller; must not decrease with R_eff
+///   static constexpr bool needs_radii = true    sets Contact::radius_i and radius_j; contact_time
+///     is then called with R_i, R_j (0: wall), m_eff, speed
+///   static Coefficients<Real> scaled(Coefficients<Real>, Real factor)    for a body `factor`
+///     times as stiff. With `static double compliance(const Material&)` [1/Pa] or [m/N] of one
+///     partner and `static double impact_force(Coefficients<double>, R_eff, m_eff, speed)` [N],
 ///     for Softened
 ///   static Stored<Real> stored(Contact<Real>, Coefficients<Real> [, History<Real>])    for the
-///     EnergyLedger: springs and the energy in them, after force() has had its turn; without
-///     Stored::damping all that the tangential force takes is friction
-///   static Real attraction(Contact<Real>, Coefficients<Real>, History<Real>)    [N] >= 0, the part
-///   of
-///     the normal force that pulls, for ContactSeen::cohesion; asked on double, without velocities
-///   static Real pressing(Contact<Real>, Coefficients<Real>, Real normal)    [N] >= 0, what presses
-///     the bodies together, adhesion included, for rolling resistance; left out: max(normal, 0)
+///     EnergyLedger: springs and their energy after force(). Without Stored::damping the whole
+///     tangential loss is counted as friction
+///   static Real attraction(Contact<Real>, Coefficients<Real>, History<Real>)    [N] >= 0, the
+///     attractive part of the normal force, for ContactSeen::cohesion; called with double, without
+///     velocities
+///   static Real pressing(Contact<Real>, Coefficients<Real>, Real normal)    [N] >= 0, the force
+///     that presses the bodies together, adhesion included, for rolling resistance; default
+///     max(normal, 0)
 template <class L>
 concept ContactLaw = std::equality_comparable<typename L::Material> && requires {
   typename L::template Coefficients<double>;
 } &&(std::same_as<detail::ForceOf<L>, double> ||
      std::same_as<detail::ForceOf<L>, Traction<double>>);
 
-/// A rolling model adds a couple M on i and -M on j, in lanes as a law: needs `Pair`,
-/// `Coefficients`, `mix(Pair)` and
-/// `static Vec3<Real> torque(RollingContact<Real>, Coefficients<Real> [, History<Real>&])`.
-/// With `static constexpr bool of_own_rotation = true` it is asked `torque(RollingContact<Real>,
-/// OwnRotations<Real>, Coefficients<Real>)` and returns OwnCouples<Real>. `static Real
-/// stored(RollingContact<Real>, Coefficients<Real>, History<Real>)` [J], for the EnergyLedger, if
-/// it has a spring.
+/// Rolling model: adds a couple M on i and -M on j, in lanes like a contact law. Required: `Pair`,
+/// `Coefficients`, `mix(Pair)` and `static Vec3<Real> torque(RollingContact<Real>,
+/// Coefficients<Real> [, History<Real>&])`.
+///
+/// Optional: with `static constexpr bool of_own_rotation = true` the call is
+/// `torque(RollingContact<Real>, OwnRotations<Real>, Coefficients<Real>)`, which returns
+/// OwnCouples<Real>. A model with a spring gives `static Real stored(RollingContact<Real>,
+/// Coefficients<Real>, History<Real>)` [J] for the EnergyLedger.
 template <class M>
 concept RollingModel = requires {
   typename M::Pair;
@@ -261,7 +263,7 @@ template <class L>
 inline constexpr bool law_needs_radii = requires {
   requires L::needs_radii;
 };
-/// A law that intervenes in a contact, and says so of a history before and after a step.
+/// A law with a safeguard, which detects its action from the history before and after a step.
 template <class L>
 concept has_safeguard = requires(const typename HistoryOf<L, double>::type& h) {
   { L::safeguarded(h, h) } -> std::same_as<bool>;
@@ -271,8 +273,8 @@ inline constexpr bool of_own_rotation = requires {
   requires M::of_own_rotation;
 };
 
-/// True if the law can be asked for a pack of lanes of type Real, as for one double. (Whether its
-/// body is right for lanes, engine/contact/ask_on_lanes.hpp finds out.)
+/// True if the law compiles for a pack of lanes of type Real as it does for one double.
+/// (engine/contact/ask_on_lanes.hpp checks that the results are right in lanes.)
 template <class L, class Real>
 concept WorksOnLanes = requires(const Contact<Real>& c,
                                 const typename L::template Coefficients<Real>& p,
@@ -282,7 +284,7 @@ concept WorksOnLanes = requires(const Contact<Real>& c,
 
 }  // namespace detail
 
-/// A law that acts before bodies touch and after they part, up to a gap `range`.
+/// A law that acts before bodies touch and after they separate, up to a gap `range`.
 template <class L>
 concept ActsAtDistance = requires(const typename L::template Coefficients<double>& p) {
   { L::range(p, 1.0) } -> std::same_as<double>;

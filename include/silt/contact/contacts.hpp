@@ -15,8 +15,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Option of Contacts: particles may be of different materials, and each keeps its material's
-/// index.
+/// Option of Contacts: particles may have different materials. Each particle stores the index of
+/// its material.
 struct SeveralMaterials {};
 
 /// No resistance to rolling.
@@ -50,23 +50,24 @@ struct RollingOf<First, Rest...> {
 ///   mixed.set_pair(glass, steel, {.restitution = 0.6, .friction = 0.3});
 ///   mixed.add(steel, "steel");                              // a name, which stands in messages
 ///
-/// Materials are told apart by their values and names: equal ones of other names are materials of
-/// their own, with other values in modules. A material by its values alone is the first equal one.
-/// Without `SeveralMaterials` all particles are of the first material, and walls may be of others.
-/// Materials of unlike values need `set_pair` if the law has values that belong to a pair; what is
-/// missing is named when the simulation starts.
+/// Materials are distinguished by values and name. Equal values under two names are two materials,
+/// which may have different values in modules. A material given by its values alone is the first
+/// one that is equal. Without `SeveralMaterials` all particles have the first material; walls may
+/// have others. If the law has values that belong to a pair, two materials with unlike values need
+/// `set_pair`. The simulation refuses to start while a pair value is missing, and names the pair.
 template <class LawType, class... Options>
 class Contacts {
  public:
   using Law = LawType;
   using Rolling = typename detail::RollingOf<Options...>::type;
-  static_assert(ContactLaw<Law>,
-                "Contacts<Law>: Law is no ContactLaw; its contract is in silt/contact/concept.hpp");
+  static_assert(
+      ContactLaw<Law>,
+      "Contacts<Law>: Law is not a ContactLaw; its contract is in silt/contact/concept.hpp");
   static_assert(((std::is_same_v<Options, SeveralMaterials> || RollingModel<Options>)&&...),
                 "Contacts<Law, Options...>: an option must be SeveralMaterials or a RollingModel; "
                 "the contract is in silt/contact/concept.hpp");
   static_assert((0 + ... + RollingModel<Options>) <= 1,
-                "Contacts<Law, Options...> takes one rolling model; two at once are Both<First, "
+                "Contacts<Law, Options...> takes one rolling model; combine two as Both<First, "
                 "Second> (silt/contact/rolling/twisting.hpp)");
 
   static constexpr bool several_materials = (std::is_same_v<Options, SeveralMaterials> || ...);
@@ -94,9 +95,9 @@ class Contacts {
     for (const auto& m : materials) add(m);
   }
 
-  /// Index of `material`, the first of these values; added to the table if it is new. With `name`:
-  /// of the equal one of this name, else of the first equal one without a name, which gets it, else
-  /// of a new one. InputError: a name that a material of other values has.
+  /// Returns the index of the first material with these values, and adds the material if there is
+  /// none. With `name`: the equal material of this name; else the first equal one without a name,
+  /// which then gets it; else a new one. InputError if a material of other values has this name.
   std::size_t add(const Material& material, std::string name = {}) {
     const std::size_t k = number_for(material, name);
     if (!name.empty()) names().check(name, k);
@@ -106,14 +107,14 @@ class Contacts {
     if (!name.empty()) names_[k] = std::move(name);
     return k;
   }
-  /// Gives a material of the table a name, in place of one that it has.
+  /// Names a material of the table; replaces an earlier name.
   void name_material(const WhichMaterial& which, std::string name) {
     const std::size_t k = material_number(which);
     names().check(name, k);
     names_[k] = std::move(name);
   }
 
-  /// Sets what belongs to the contact of two materials, in either order; of all that have these
+  /// Sets the values of a pair of materials, in either order. Applies to all materials with these
   /// values.
   template <class L = Law>
   Contacts& set_pair(const Material& a, const Material& b, const typename L::Pair& pair) {
@@ -122,8 +123,8 @@ class Contacts {
     return *this;
   }
 
-  /// Sets the rolling resistance between two materials, in either order; of all that have these
-  /// values.
+  /// Sets the rolling resistance of a pair of materials, in either order. Applies to all materials
+  /// with these values.
   Contacts& set_rolling(const Material& a, const Material& b,
                         const RollingPair& rolling) requires has_rolling {
     Rolling::check(rolling);
@@ -136,16 +137,16 @@ class Contacts {
     return materials_[material_number(which)];
   }
   std::size_t material_number(const WhichMaterial& which) const { return names().number_of(which); }
-  /// The index of the material with this name.
+  /// Index of the material with this name.
   std::size_t find_material(std::string_view name) const { return names().number_of(name); }
-  /// As messages call it: "material 1 'steel'".
+  /// The material as messages name it: "material 1 'steel'".
   std::string material_name(std::size_t k) const { return names().words(k); }
-  /// The name alone; empty: none.
+  /// Its name alone; empty: none.
   std::string_view given_name(std::size_t k) const {
     return k < names_.size() ? std::string_view(names_[k]) : std::string_view();
   }
 
-  /// Likewise of these two alone, by number or name.
+  /// As set_pair, for these two materials only, by number or name.
   template <class L = Law>
   void set_pair_of(const WhichMaterial& a, const WhichMaterial& b, const typename L::Pair& pair) {
     if constexpr (requires { Law::check(pair); }) Law::check(pair);
@@ -158,14 +159,14 @@ class Contacts {
     const std::size_t i = material_number(a), j = material_number(b);
     entry(i, j).rolling = entry(j, i).rolling = rolling;
   }
-  /// Whether materials a and b have all values that their contacts need.
+  /// Whether the values for contacts of materials a and b are complete.
   bool has_pair(std::size_t a, std::size_t b) const {
     if constexpr (detail::HasPairValues<Law>)
       return pairs_[a * materials_.size() + b].pair || materials_[a] == materials_[b];
     else
       return true;
   }
-  /// The sentence for two that do not.
+  /// Message for two materials without pair values.
   [[gnu::cold]] std::string lacking_pair(std::size_t a, std::size_t b) const {
     return text("materials ", a, detail::after_number(names_[a]), " and ", b,
                 detail::after_number(names_[b]),
@@ -175,7 +176,7 @@ class Contacts {
                 "another material)");
   }
 
-  /// The law's coefficients for materials a and b; InputError if they have no pair value.
+  /// The law's coefficients for materials a and b. InputError if they have no pair value.
   LawCoefficients coefficients(std::size_t a, std::size_t b) const {
     if constexpr (detail::HasPairValues<Law>) {
       if (!has_pair(a, b)) throw InputError(lacking_pair(a, b));
@@ -206,7 +207,7 @@ class Contacts {
     std::optional<RollingPair> rolling;
   };
   Entry& entry(std::size_t i, std::size_t j) { return pairs_[i * materials_.size() + j]; }
-  /// Calls f(entry) of each two materials of these values, which are added if they are new.
+  /// Calls f(entry) for each pair of materials with these values; adds them if they are new.
   template <class F>
   void for_equal(const Material& a, const Material& b, const F& f) {
     add(a), add(b);
@@ -224,7 +225,7 @@ class Contacts {
     }
     return unnamed;
   }
-  /// It has the pair values of the first one that is equal.
+  /// The new material takes the pair values of the first equal one.
   void add_new(const Material& material) {
     const std::size_t last = materials_.size(), n = last + 1, like = number_for(material, {});
     materials_.push_back(material), names_.emplace_back();
@@ -242,7 +243,7 @@ class Contacts {
   }
 
   std::vector<Material> materials_;
-  std::vector<std::string> names_;  // of each; empty: none
+  std::vector<std::string> names_;  // of each material; empty: none
   std::vector<Entry> pairs_;        // n x n
   RollingPair default_rolling_{};
 };

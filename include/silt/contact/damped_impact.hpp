@@ -9,40 +9,41 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A head-on impact on a Hertz spring with a dashpot c0 d^p, as HertzDamped has them.
+/// Head-on impact on a Hertz spring with a dashpot c0 d^p, as in HertzDamped.
 ///
 ///   m* d'' = -k_H d^(3/2) - c0 d^p d'
 ///
-/// In x = d/d0, d0 = (m* v^2/k_H)^(2/5), and time over d0/v: x'' = -x^(3/2) - kappa x^p x' with
-///   kappa = c0 d0^(p + 1)/(m* v),
-/// on which restitution and overlap ratio depend alone. No closed form but for p = 1/4
-/// (contact/impact.hpp) and, with kappa = alpha v,
+/// With x = d/d0, d0 = (m* v^2/k_H)^(2/5) and time in units of d0/v: x'' = -x^(3/2) - kappa x^p x',
+///   kappa = c0 d0^(p + 1)/(m* v).
+/// Restitution and overlap ratio depend on kappa alone. Closed forms exist for p = 1/4
+/// (contact/impact.hpp) and, with kappa = alpha v, for
 ///   p = 3/2:  (1 + e) kappa = ln((1 + kappa)/(1 - kappa e)),
 ///             d_max/d_undamped = (2 (kappa - ln(1 + kappa))/kappa^2)^(2/5).
-/// So it is integrated, as dz/ds = v, dv/ds = -5/4 z - kappa (5 z/4)^((4 p - 1)/5) v, where z = 4/5
-/// x^(5/4) and ds = x^(1/4) dt: with p = 1/4 a linear oscillator, and smooth with the others.
+/// For other p the equation is integrated in the form dz/ds = v, dv/ds = -5/4 z - kappa (5 z/4)^((4
+/// p - 1)/5) v with z = 4/5 x^(5/4) and ds = x^(1/4) dt. This is a linear oscillator for p = 1/4
+/// and smooth for the other laws.
 ///
 /// Valid:  as impact.hpp. Relative error 1e-7 for restitutions above 0.01.
 /// Units:  SI. Errors: InputError naming field, value, unit and allowed range.
 /// Tests:  tests/contact/hertz_damped.cpp (closed forms, the law itself integrated).
 struct DampedImpact {
-  double restitution;    // [-] 0: the partners do not part
-  double overlap_ratio;  // [-] largest overlap over that without damping
+  double restitution;    // [-] 0: the partners do not separate
+  double overlap_ratio;  // [-] largest overlap over its undamped value
 };
 
 namespace detail {
 
-/// The impact with exponent p and damping kappa, by the classical Runge-Kutta method.
+/// The impact with exponent p and damping kappa, integrated by the classical Runge-Kutta method.
 class ReducedImpact {
  public:
   ReducedImpact(double p, double kappa, DampingEnd end)
       : power_((4 * p - 1) / 5), kappa_(kappa), end_(end) {}
 
   DampedImpact run() const {
-    State now{1e-14, 1};  // z^power may have no value at touch itself
+    State now{1e-14, 1};  // z^power may have no value at first touch
     double deepest = 0;
     for (int step = 0; step < 100000; ++step) {
-      // Fine where z^power is not smooth, at touch; there z = s.
+      // Small steps near first touch, where z^power is not smooth; there z = s.
       const double h = std::min(0.005, 0.05 * now.z / std::abs(now.v) + 1e-16);
       const State next = advanced(now, h);
       if (now.v > 0 && next.v <= 0)
@@ -50,7 +51,7 @@ class ReducedImpact {
       if (ended(next) || (next.v < 0 && next.z < 1e-12)) {
         const double last = ended(next) ? moment(now, h, [this](State s) { return ended(s); }) : h;
         const double e = -advanced(now, last).v;
-        return {e < 1e-9 ? 0 : e, overlap_ratio(deepest)};  // below, it creeps out
+        return {e < 1e-9 ? 0 : e, overlap_ratio(deepest)};  // smaller: no rebound
       }
       now = next;
     }
@@ -79,7 +80,7 @@ class ReducedImpact {
     return {s.z + h / 6 * (a.z + 2 * b.z + 2 * c.z + d.z),
             s.v + h / 6 * (a.v + 2 * b.v + 2 * c.v + d.v)};
   }
-  /// The part of the step h from `s` after which `happened` turns true.
+  /// Fraction of the step h from `s` after which `happened` becomes true.
   template <class Event>
   double moment(State s, double h, const Event& happened) const {
     double before = 0, after = h;
@@ -108,7 +109,7 @@ double reduced_damping(const HertzImpact& impact) {
 
 }  // namespace detail
 
-/// What an impact with this `dissipation` does.
+/// Restitution and largest overlap of an impact with this `dissipation`.
 template <class Damping>
 DampedImpact damped_impact(const HertzImpact& impact, double dissipation,
                            DampingEnd end = DampingEnd::ZeroForce) {
@@ -128,7 +129,7 @@ double dissipation_for(double restitution, const HertzImpact& impact,
   const auto excess = [&](double kappa) {
     return detail::ReducedImpact(Damping::exponent, kappa, end).run().restitution - restitution;
   };
-  // The restitution falls as the damping grows. Bisection and regula falsi by turns (Illinois).
+  // The restitution falls as the damping grows. Bisection alternates with regula falsi (Illinois).
   double low = 0, high = 0.1, at_low = 1 - restitution, at_high = excess(high);
   for (; at_high > 0; at_high = excess(high)) low = high, at_low = at_high, high *= 2;
   for (int iteration = 0; iteration < 80 && high - low > 1e-14 * high; ++iteration) {

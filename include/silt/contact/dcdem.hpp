@@ -11,8 +11,9 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// `Mended`: the law as it was meant, with a tangential spring and Coulomb's limit. `Literal`: as
-/// DualSPHysics 5.0 and 5.4 compute it, to compare with; its friction is no Coulomb friction.
+/// `Mended`: the law as intended, with a tangential spring and Coulomb's limit. `Literal`: the law
+/// as DualSPHysics 5.0 and 5.4 compute it, for comparison only; its friction is not Coulomb
+/// friction.
 enum class DcdemForm { Mended, Literal };
 
 /// The contact law of the distributed contact DEM (DCDEM) of DualSPHysics, between whole spheres.
@@ -23,16 +24,17 @@ enum class DcdemForm { Mended, Literal };
 ///   Literal:  g_n = 2 |ln e|/sqrt(pi + ln^2 e) sqrt(m* k_n)       (pi where pi^2 is right)
 ///             F_t = min(mu F_n tanh(8 v_t), (k_n dt - g_n) v_t/3.5) along v_t                  (3)
 ///
-/// The literal law gives e = 0.234 for 0.39 (0.339 for 0.5, 0.702 for 0.8). In (3) 8 is in s/m and
-/// units do not match. Where k_n dt < g_n its second entry is negative and the smaller one whenever
-/// F_n > 0: friction is then a dashpot without a limit, and mu does nothing; where k_n dt > g_n it
-/// pushes along the sliding.
+/// `Literal` gives e = 0.234 for a specified 0.39 (0.339 for 0.5, 0.702 for 0.8). In (3) the factor
+/// 8 has the unit s/m, and the units of (k_n dt - g_n) do not match. Where k_n dt < g_n the second
+/// term of the minimum is negative and is the smaller one whenever F_n > 0. Friction is then a
+/// dashpot without a limit, and mu has no effect. Where k_n dt > g_n it acts along the sliding
+/// direction.
 ///
 /// Source: R. B. Canelas et al., Comput. Phys. Commun. 202 (2016) 131, eqs. 24-33; the literal form
-///         as read in the public sources. k_n d^(1/2) in (2) is silt's: with k_n, as printed, units
-///         do not match. The literal code halves the mass of a fixed wall's partner in g_n, which a
-///         law cannot know of.
-/// Valid:  Mended: as HertzMindlin. Literal: for comparison alone.
+///         as read in the public sources. The factor k_n d^(1/2) in (2) is silt's: with k_n, as
+///         printed, units do not match. The literal code halves the mass of a fixed wall's partner
+///         in g_n. silt does not, as the law gets only the effective mass.
+/// Valid:  Mended: as HertzMindlin. Literal: for comparison only.
 /// Units:  SI. Shapes: Real = double or batch, lane = pair. History: 3 Reals [m] (Mended), none.
 /// Errors: InputError naming field, value, unit and allowed range.
 /// Tests:  tests/contact/dcdem.cpp.
@@ -130,7 +132,7 @@ struct BasicDcdem {
   }
 
  private:
-  /// Of the normal spring's F/d [N/m] and dashpot [N s/m].
+  /// Ratio F/d [N/m] of the normal spring, and the dashpot [N s/m].
   template <class Real>
   static SILT_INLINE SpringSlider<Real> slider(const Coefficients<Real>& p, const Real& spring,
                                                const Real& damping) {

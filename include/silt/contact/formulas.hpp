@@ -7,7 +7,7 @@
 
 #include <silt/core/error.hpp>
 
-/// Closed forms that contact laws and time steps share. Impacts in full: contact/impact.hpp.
+/// Closed forms shared by contact laws and time step checks. Complete impacts: contact/impact.hpp.
 ///
 /// Symbols: E* effective modulus [Pa], R* effective radius [m], m* effective mass [kg], v speed of
 ///          approach at first touch [m/s], k stiffness [N/m], zeta damping ratio [-],
@@ -16,8 +16,8 @@
 /// Source:  K. L. Johnson, Contact Mechanics (1985), ch. 4, 7 and 11; T. Schwager, T. Poeschel,
 ///          Granular Matter 9 (2007) 465 (end of contact); others at their function.
 /// Units:   SI.
-/// Errors:  InputError for a restitution or a damping ratio out of range. Other arguments are taken
-///          as they come: those who let users set them check them.
+/// Errors:  InputError for a restitution or a damping ratio out of range. Other arguments are not
+///          checked here; the policies that take them from users check them.
 /// Tests:   tests/contact/formulas.cpp.
 namespace silt::inline SILT_TARGET {
 
@@ -51,9 +51,10 @@ constexpr double effective_mass(double m1, double m2) { return 1 / (1 / m1 + 1 /
 
 // ---- damping ratio and restitution --------------------------------------------------------------
 
-/// When a damped contact is over. With a dashpot the force turns attractive before the overlap is
-/// gone. `ZeroForce`: there, the attraction is cut. `ZeroOverlap`: the attraction is kept. The same
-/// zeta gives a higher restitution with the cut, so a restitution means nothing without its end.
+/// When a damped contact ends. With a dashpot the normal force becomes attractive before the
+/// overlap is zero. `ZeroForce`: the contact ends there, and the attraction is cut. `ZeroOverlap`:
+/// the attraction is kept until the overlap is zero. The same zeta gives a higher restitution with
+/// `ZeroForce`, hence a restitution always refers to one of the two.
 enum class DampingEnd { ZeroOverlap, ZeroForce };
 
 namespace detail {
@@ -71,8 +72,9 @@ inline double time_of_largest_overlap(double zeta) {
   return (zeta < 1 ? std::acos(zeta) : std::acosh(zeta)) / damped_frequency(zeta);
 }
 
-/// Solves 2 zeta A(zeta) = L by Newton's method in ln zeta and ln L. There the left side is
-/// concave, so from zeta = L/pi, below the root, the iterates climb to it and cannot pass it.
+/// Solves 2 zeta A(zeta) = L by Newton's method in ln zeta and ln L. In these variables the left
+/// side is concave. Iterates that start at zeta = L/pi, below the root, increase to it and cannot
+/// pass it.
 inline double damping_ratio_of_cut_contact(double L) {
   double zeta = L / std::numbers::pi;
   for (int iteration = 0; iteration < 50; ++iteration) {
@@ -92,8 +94,9 @@ inline double damping_ratio_of_cut_contact(double L) {
 /// zeta [-] that gives restitution e in (0, 1]; relative error about 1e-15 for e > 1e-3.
 ///   ZeroOverlap: zeta = -ln e / sqrt(pi^2 + ln^2 e)
 ///   ZeroForce:   2 zeta A(zeta) = -ln e, A = acos(zeta)/sqrt(1 - zeta^2); zeta > 1 where e < e^-2
-/// It serves the linear dashpot c = 2 zeta sqrt(m* k) on a linear spring and the Hertz spring with
-/// c = 2 sqrt(5/6) zeta sqrt(S_n m*), S_n = 2 E* sqrt(R* d): both have one e at every speed.
+/// It holds for the linear dashpot c = 2 zeta sqrt(m* k) on a linear spring, and for the Hertz
+/// spring with c = 2 sqrt(5/6) zeta sqrt(S_n m*), S_n = 2 E* sqrt(R* d). Both have the same e at
+/// every speed.
 /// Source: Schwager & Poeschel 2007 (linear); D. Antypov, J. A. Elliott, EPL 94 (2011) 50004.
 inline double damping_ratio(double restitution, DampingEnd end) {
   require(restitution > 0 && restitution <= 1, "restitution = ", restitution,
@@ -104,7 +107,7 @@ inline double damping_ratio(double restitution, DampingEnd end) {
   return L / std::hypot(std::numbers::pi, L);
 }
 
-/// e [-] that zeta gives, the inverse of `damping_ratio`.
+/// e [-] for a given zeta, the inverse of `damping_ratio`.
 ///   ZeroOverlap: e = exp(-pi zeta / sqrt(1 - zeta^2)), and 0 from zeta = 1 on (it never rebounds)
 ///   ZeroForce:   e = exp(-2 zeta A(zeta))
 inline double restitution_of(double zeta, DampingEnd end) {
@@ -133,8 +136,8 @@ inline double linear_max_overlap(double k, double m_eff, double speed, double ze
   return speed * std::sqrt(m_eff / k) * std::exp(-zeta * A);
 }
 
-/// Largest force [N], the dashpot's part included: v sqrt(k m*) exp(-zeta (3 acos zeta - pi) /
-/// sqrt(1 - zeta^2)) for zeta < 1/2; beyond, the dashpot's 2 zeta v sqrt(k m*) at first touch.
+/// Largest force [N], dashpot included. For zeta < 1/2: v sqrt(k m*) exp(-zeta (3 acos zeta - pi) /
+/// sqrt(1 - zeta^2)). For larger zeta: the dashpot force 2 zeta v sqrt(k m*) at first touch.
 inline double linear_max_force(double k, double m_eff, double speed, double zeta) {
   const double A = detail::time_of_largest_overlap(zeta);
   const double share =
@@ -143,7 +146,8 @@ inline double linear_max_force(double k, double m_eff, double speed, double zeta
   return share * speed * std::sqrt(k * m_eff);
 }
 
-/// k [N/m] of the linear spring that an undamped impact at `speed` compresses as far as Hertz' law:
+/// k [N/m] of the linear spring with the same largest overlap as Hertz' law in an undamped impact
+/// at `speed`:
 ///   k = 16/15 sqrt(R*) E* (15 m* v^2 / (16 sqrt(R*) E*))^(1/5)
 inline double linear_stiffness_from_hertz(double E_eff, double R_eff, double m_eff, double speed) {
   const double k = 16.0 / 15.0 * std::sqrt(R_eff) * E_eff;
@@ -161,16 +165,18 @@ inline double hertz_stiffness(double E_eff, double R_eff) {
 inline constexpr double hertz_time_factor = 2.9432751843247047;
 
 /// Contact time [s] of an elastic impact: t_c = 2.943275 d_max/v, d_max = (5 m* v^2/(4 k_H))^(2/5).
-/// Infinite at speed 0. Damping changes it: contact/impact.hpp.
+/// Infinite at speed 0. With damping: contact/impact.hpp.
 inline double hertz_contact_time(double E_eff, double R_eff, double m_eff, double speed) {
   const double kH = hertz_stiffness(E_eff, R_eff);
   return hertz_time_factor * std::pow(1.25 * m_eff / kH, 0.4) * std::pow(speed, -0.2);
 }
 
-/// Time [s] that a Rayleigh wave takes along half a sphere's circumference:
+/// Time [s] that a Rayleigh wave takes along half the circumference of a sphere:
 ///   pi R sqrt(rho/G) / (0.1631 nu + 0.8766)
-/// A limit, not a time step: 0.1 (fast flows) to 0.2 (dense, slow) of the smallest sphere's.
-/// Source: a fit of the Rayleigh speed, 0.4 % off at most; as LIGGGHTS' fix check/timestep/gran.
+/// This is a stability limit, not a time step: use 0.1 (fast flows) to 0.2 (dense, slow) of the
+/// value of the smallest sphere.
+/// Source: fit of the Rayleigh wave speed, error 0.4 % at most; as LIGGGHTS' fix
+///         check/timestep/gran.
 inline double rayleigh_time_step(double radius, double density, double shear_modulus,
                                  double poisson_ratio) {
   return std::numbers::pi * radius * std::sqrt(density / shear_modulus) /

@@ -10,14 +10,14 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Dashpots of a Hertz spring whose restitution depends on the impact speed. Each takes one number,
-/// `dissipation`, which belongs to the materials:
+/// Dashpots for a Hertz spring whose restitution depends on the impact speed. Each has one
+/// parameter, `dissipation`, a material property:
 ///   KuwabaraKono    c_n = A S_n                 A [s]        viscoelastic bulk, e falls with speed
-///   HuntCrossley    c_n = alpha k_H d^(3/2)     alpha [s/m]  never pulls; e from alpha v alone
-///   LinearDashpot   c_n = c                     c [N s/m]    as in many codes; it jumps at touch
-/// dissipation_for() of contact/damped_impact.hpp finds the number for a restitution at a speed.
+///   HuntCrossley    c_n = alpha k_H d^(3/2)     alpha [s/m]  no attraction; e from alpha v only
+///   LinearDashpot   c_n = c                     c [N s/m]    common in codes; jumps at first touch
+/// dissipation_for() of contact/damped_impact.hpp finds the value for a restitution at a speed.
 ///
-/// Source: as HertzDamped, whose parameter each of them is.
+/// Source: as HertzDamped; each is a parameter of it.
 /// Valid:  as HertzMindlin.
 /// Units:  SI; of `dissipation` as above.
 /// Errors: HertzDamped throws InputError naming field, value, unit and allowed range.
@@ -51,7 +51,7 @@ struct LinearDashpot {
   static double prefactor(double dissipation, double) { return dissipation; }
 };
 
-/// Hertz and Mindlin as HertzMindlin, with one of the dashpots above.
+/// Hertz and Mindlin springs as in HertzMindlin, with one of the dashpots above.
 ///
 ///   S_n = 2 E* sqrt(R* d)     S_t = 8 G* sqrt(R* d)                                           (1)
 ///   F_n = 2/3 S_n d - c_n v_n                                                                 (2)
@@ -61,7 +61,7 @@ struct LinearDashpot {
 ///         Phys. Rev. E 53 (1996) 5382 (A of viscoelastic spheres); K. H. Hunt, F. R. E. Crossley,
 ///         J. Appl. Mech. 42 (1975) 440. The tangential dashpot is silt's choice, as in
 ///         HertzMindlin.
-/// Valid:  as HertzMindlin. For one restitution at all speeds take that one.
+/// Valid:  as HertzMindlin. Use HertzMindlin for one restitution at all speeds.
 /// Units:  SI. Shapes: Real = double or batch, lane = pair. History: 3 Reals ([N] or [m]).
 /// Errors: InputError naming field, value, unit and allowed range.
 /// Tests:  tests/contact/hertz_damped.cpp.

@@ -11,24 +11,25 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Hertz normal force, Mindlin no-slip tangential spring with Coulomb's limit, damping that gives
-/// one restitution at every impact speed.
+/// Hertz normal force, Mindlin no-slip tangential spring with Coulomb's limit, and damping that
+/// gives the same restitution at every impact speed.
 ///
 ///   S_n = 2 E* sqrt(R* d)             S_t = 8 G* sqrt(R* d)                                  (1)
 ///   F_n = 2/3 S_n d - c_n v_n         c_n = 2 sqrt(5/6) zeta sqrt(S_n m*)                    (2)
 ///   dF_t = - S_t v_t dt, kept in the tangent plane; total F_t - c_t v_t, |total| <= mu F_n   (3)
 ///
-/// `Memory::Force` (default) stores the tangential force: it grows by (3) while the overlap grows
-/// and shrinks with S_t while it shrinks, so that no energy is made (Thornton & Randall 1988).
-/// `Memory::Displacement` stores the slip s and takes F_t = -S_t(d) s, as LIGGGHTS, EDEM and
-/// LAMMPS' `mindlin` do: cheaper, and it gains energy where a contact is loaded after it slipped.
-/// `End::ZeroForce` (default) cuts the attraction that damping makes near separation and takes the
-/// zeta that gives the wanted restitution with that cut; `End::ZeroOverlap` keeps it, as Tsuji.
+/// `Memory::Force` (default) stores the tangential force. It grows by (3) while the overlap grows,
+/// and is reduced in proportion to S_t while the overlap shrinks; no energy is created (Thornton &
+/// Randall 1988). `Memory::Displacement` stores the slip s and takes F_t = -S_t(d) s, as LIGGGHTS,
+/// EDEM and LAMMPS' `mindlin` do. It is cheaper, but creates energy where a contact is loaded after
+/// it has slipped. `End::ZeroForce` (default) cuts the attraction that damping causes near
+/// separation, and uses the zeta that gives the required restitution with this cut.
+/// `End::ZeroOverlap` keeps the attraction, as Tsuji does.
 ///
 /// Source: H. Hertz 1882; R. D. Mindlin, J. Appl. Mech. 16 (1949) 259; Y. Tsuji et al., Powder
 ///         Technol. 71 (1992) 239; C. Thornton, C. W. Randall, Micromechanics of Granular Materials
-///         (1988) 133; D. Antypov, J. A. Elliott, EPL 94 (2011) 50004 (constant restitution).
-///         Damping is lowered by the lag of the half-step velocity (spring_slider.hpp).
+///         (1988) 133; D. Antypov, J. A. Elliott, EPL 94 (2011) 50004 (constant restitution). The
+///         dashpot is corrected for the lag of the half-step velocity (spring_slider.hpp).
 /// Valid:  spheres, small overlap (d < 0.1 R*), elastic solids without adhesion.
 /// Units:  SI. Shapes: Real = double or batch, lane = pair. History: 3 Reals ([N] or [m]).
 /// Errors: InputError naming field, value, unit and allowed range.

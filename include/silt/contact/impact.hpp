@@ -11,16 +11,18 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A head-on impact on a Hertz spring with the damping that gives one restitution at every speed.
+/// Head-on impact on a Hertz spring with the damping that gives the same restitution at every
+/// speed.
 ///
 ///   m* d'' = -k_H d^(3/2) - c_n d'
 ///   k_H = 4/3 E* sqrt(R*),  c_n = sqrt(5) zeta sqrt(m* k_H) d^(1/4)
 ///
-/// In z = 4/5 d^(5/4) and ds = d^(1/4) dt it is the linear oscillator m* z'' + sqrt(5) zeta
-/// sqrt(m* k_H) z' + 5/4 k_H z = 0 with damping ratio zeta, which makes the forms below exact;
-/// only the damped duration and the largest force need numbers (a quadrature, a bisection).
+/// In z = 4/5 d^(5/4) and ds = d^(1/4) dt this is the linear oscillator m* z'' + sqrt(5) zeta
+/// sqrt(m* k_H) z' + 5/4 k_H z = 0 with damping ratio zeta. The forms below are therefore exact.
+/// Only the damped duration (a quadrature) and the largest force (a bisection) are computed
+/// numerically.
 ///
-/// Source: D. Antypov, J. A. Elliott, EPL 94 (2011) 50004; the durations and forces follow here.
+/// Source: D. Antypov, J. A. Elliott, EPL 94 (2011) 50004; durations and forces are derived here.
 /// Valid:  as Hertz' theory, small overlap. No gravity, no tangential motion, no other partner.
 /// Units:  SI.
 /// Errors: InputError naming field, value, unit and allowed range.
@@ -41,9 +43,8 @@ inline void check(const HertzImpact& impact) {
   require_not_negative("HertzImpact.zeta", impact.zeta, "-");
 }
 
-/// Largest overlap over that without damping [-]: exp(-4/5 zeta A(zeta)) with A of formulas.hpp.
-/// In terms of the restitution: e^(2/5) for the end ZeroForce, e^(4/(5 pi) atan(pi/|ln e|)) for
-/// ZeroOverlap.
+/// Largest overlap over its undamped value [-]: exp(-4/5 zeta A(zeta)) with A of formulas.hpp. In
+/// terms of the restitution: e^(2/5) for ZeroForce, e^(4/(5 pi) atan(pi/|ln e|)) for ZeroOverlap.
 inline double hertz_overlap_ratio(double zeta) {
   return std::exp(-0.8 * zeta * detail::time_of_largest_overlap(zeta));
 }
@@ -56,15 +57,16 @@ inline double hertz_max_overlap(const HertzImpact& impact) {
          hertz_overlap_ratio(impact.zeta);
 }
 
-/// Largest force of the spring alone [N], k_H d_max^(3/2): the load that breakage should see.
+/// Largest force of the spring alone [N], k_H d_max^(3/2): the load to use for breakage.
 inline double hertz_max_elastic_force(const HertzImpact& impact) {
   return hertz_stiffness(impact.E_eff, impact.R_eff) * std::pow(hertz_max_overlap(impact), 1.5);
 }
 
 namespace detail {
 
-/// z'' + 2 zeta z' + z = 0, z(0) = 0, z'(0) = 1: the impact in units of its undamped self, in the
-/// share x of the time A(zeta) of the largest overlap (1 there; the force is 0 at x = 2):
+/// z'' + 2 zeta z' + z = 0, z(0) = 0, z'(0) = 1: the impact in units of the undamped one. x is the
+/// time over the time A(zeta) of the largest overlap: largest overlap at x = 1, zero force at x =
+/// 2.
 ///   z = g(x) S(x), z' = g S(1 - x), z'' = -g S(2 - x), z''' = g S(3 - x), g = exp(-zeta A x)
 ///   S(x) = sin(x phi)/sin(phi), cos(phi) = zeta, and sinh, cosh for sin, cos beyond zeta = 1
 struct DampedOscillator {
@@ -81,9 +83,10 @@ struct DampedOscillator {
   }
 };
 
-/// Integral over [0, length] of f(from start, to end), singular at most like x^(-1/5) at its ends:
-/// trapezoids in t with x = length/(1 + exp(-pi sinh t)) (H. Takahasi, M. Mori, Publ. RIMS 9 (1974)
-/// 721). Both distances are given, so that no digits are lost at either end.
+/// Integral over [0, length] of f(distance from start, distance to end), with singularities at the
+/// ends of at most x^(-1/5): trapezoidal rule in t with x = length/(1 + exp(-pi sinh t)) (H.
+/// Takahasi, M. Mori, Publ. RIMS 9 (1974) 721). Both distances are passed to avoid cancellation at
+/// either end.
 template <class F>
 double double_exponential_quadrature(double length, const F& f) {
   constexpr double step = 1.0 / 32;
@@ -103,7 +106,7 @@ double double_exponential_quadrature(double length, const F& f) {
 inline double hertz_duration_factor(double zeta, DampingEnd end) {
   const DampedOscillator motion{zeta};
   const bool cut = end == DampingEnd::ZeroForce;
-  // How far before z = 0 the contact ends, as an angle of the sine.
+  // Phase angle of the sine between the end of the contact and z = 0.
   const double gap = cut && zeta < 1 ? 2 * std::asin(zeta) : 0;
   const auto integrand = [&](double x, double to_end) {
     const bool late = zeta < 1 && x * motion.phase > std::numbers::pi / 2;
@@ -117,8 +120,8 @@ inline double hertz_duration_factor(double zeta, DampingEnd end) {
 
 }  // namespace detail
 
-/// Contact time over that without damping [-]; relative error about 1e-15 for e >= 1e-12. The end
-/// ZeroOverlap prolongs a contact (infinitely from zeta = 1 on), ZeroForce shortens it.
+/// Contact time over its undamped value [-]; relative error about 1e-15 for e >= 1e-12. ZeroOverlap
+/// prolongs a contact (infinitely for zeta >= 1), ZeroForce shortens it.
 inline double hertz_contact_time_ratio(double zeta, DampingEnd end) {
   require_not_negative("damping ratio", zeta, "-");
   if (zeta == 0) return 1;
@@ -133,8 +136,8 @@ inline double hertz_contact_time(const HertzImpact& impact, DampingEnd end) {
          hertz_contact_time_ratio(impact.zeta, end);
 }
 
-/// Largest force [N] of spring and dashpot together; with damping it comes before the largest
-/// overlap. In the oscillator's units it is the largest -z'' z^(1/5), found by bisection.
+/// Largest force [N] of spring and dashpot together. With damping it occurs before the largest
+/// overlap. In units of the oscillator it is the maximum of -z'' z^(1/5), found by bisection.
 inline double hertz_max_force(const HertzImpact& impact) {
   check(impact);
   const detail::DampedOscillator motion{impact.zeta};
@@ -152,9 +155,10 @@ inline double hertz_max_force(const HertzImpact& impact) {
          std::pow(motion.shape(x), 0.2) * motion.shape(2 - x);
 }
 
-// ---- how soft a contact may be made -------------------------------------------------------------
+// ---- lower bounds of the stiffness
+// ---------------------------------------------------------------
 
-/// What an impact may not exceed when its stiffness is lowered for a larger time step.
+/// Overlap that an impact must not exceed when the stiffness is reduced for a larger time step.
 struct OverlapLimit {
   double R_eff;        // [m] effective radius, > 0
   double m_eff;        // [kg] effective mass, > 0
@@ -171,7 +175,7 @@ inline void check(const OverlapLimit& limit) {
   require_not_negative("OverlapLimit.zeta", limit.zeta, "-");
 }
 
-/// Least E* [Pa] that keeps the overlap below the limit: 15 m* v^2/(16 sqrt(R*)) (r/d_max)^(5/2)
+/// Smallest E* [Pa] that keeps the overlap below the limit: 15 m* v^2/(16 sqrt(R*)) (r/d_max)^(5/2)
 /// with r = hertz_overlap_ratio(zeta).
 inline double softest_modulus(const OverlapLimit& limit) {
   check(limit);
@@ -179,8 +183,8 @@ inline double softest_modulus(const OverlapLimit& limit) {
          std::pow(hertz_overlap_ratio(limit.zeta) / limit.max_overlap, 2.5);
 }
 
-/// Least k [N/m] of a linear spring that does: m* v^2 (exp(-zeta A(zeta))/d_max)^2. R_eff has no
-/// part in it.
+/// Smallest k [N/m] of a linear spring that keeps the overlap below the limit: m* v^2 (exp(-zeta
+/// A(zeta))/d_max)^2. R_eff has no effect.
 inline double softest_linear_stiffness(const OverlapLimit& limit) {
   check(limit);
   const double ratio =
@@ -188,9 +192,9 @@ inline double softest_linear_stiffness(const OverlapLimit& limit) {
   return limit.m_eff * ratio * ratio;
 }
 
-/// The same for a solid sphere on a wall, whatever its size; the overlap as a share of the
-/// diameter: E* = 5/4 pi rho v^2 (r / (2 share))^(5/2), which is 79.66 rho v^2 r^(5/2) at 0.15.
-/// Two equal spheres need 1/sqrt(2) of it.
+/// Smallest E* [Pa] for a solid sphere on a wall, with the overlap limit as a share of the
+/// diameter: E* = 5/4 pi rho v^2 (r / (2 share))^(5/2), which is 79.66 rho v^2 r^(5/2) at 0.15. It
+/// does not depend on the size. Two equal spheres need 1/sqrt(2) of it.
 inline double softest_modulus_on_wall(double density, double speed, double zeta,
                                       double overlap_per_diameter = 0.15) {
   require_positive("density", density, "kg/m3");
@@ -203,17 +207,18 @@ inline double softest_modulus_on_wall(double density, double speed, double zeta,
                           .zeta = zeta});
 }
 
-/// What a softened small sphere shares with a larger one of the radius `wanted`: it is then that
-/// one's time step that counts.
+/// Quantity that a softened small sphere shares with a sphere of radius `wanted`, which then
+/// determines the time step.
 enum class Softening {
   Rayleigh,          // the Rayleigh time step: E ~ s^-2, s = wanted radius over radius
   ContactTime,       // the contact time of a Hertz spring: E ~ s^-5/2
   LinearContactTime  // that of a linear spring: k ~ s^-3
 };
 
-/// Factor [-] on the modulus (LinearContactTime: stiffness) of a sphere of `radius` [m] that has
-/// the limit of a sphere of radius `wanted` [m]; 1 if it is no smaller. The overlap over the
-/// diameter grows by s (ContactTime, LinearContactTime) or s^(4/5) (Rayleigh): see softest_modulus.
+/// Factor [-] on the modulus (LinearContactTime: on the stiffness) that gives a sphere of `radius`
+/// [m] the time step limit of a sphere of radius `wanted` [m]; 1 if it is not smaller. The ratio of
+/// overlap to diameter grows by s (ContactTime, LinearContactTime) or s^(4/5) (Rayleigh), see
+/// softest_modulus.
 inline double softening_factor(double radius, double wanted, Softening rule) {
   require_positive("softening: radius", radius, "m");
   require_positive("softening: wanted radius", wanted, "m");

@@ -14,12 +14,12 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// sqrt(a) [m^1/2] of a JKR contact, a its radius: A = A_t + u with
+/// Square root sqrt(a) [m^1/2] of the contact radius a of a JKR contact: A = A_t + u with
 ///   h(u) = u sqrt(6 A_t^2 + 4 A_t u + u^2) = q,  q^2 = R* (d - d_t)                            (1)
-/// which is A^4 - R* c A = R* d with its double root at d_t taken out. h grows and is convex, so
-/// that Newton's method comes down to the root from its second step on, whatever the start. The one
-/// below has the right limits for q -> 0 and infinity and errs by 0.34 % at most: 3 steps leave
-/// 1e-15 (two 2e-12), for all q. Without adhesion A_t = 0 and A = sqrt(q).
+/// This is A^4 - R* c A = R* d without its double root at d_t. h increases and is convex: from the
+/// second step on Newton's method decreases to the root, whatever the start. The start below has
+/// the right limits for q -> 0 and infinity, with an error of at most 0.34 %. Three steps leave
+/// 1e-15 (two 2e-12) for all q. Without adhesion A_t = 0 and A = sqrt(q).
 template <class Real>
 inline Real root_of_contact_radius(const Real& At, const Real& q) {
   constexpr int steps = sizeof(ScalarOf<Real>) == sizeof(float) ? 2 : 3;
@@ -35,23 +35,24 @@ inline Real root_of_contact_radius(const Real& At, const Real& q) {
 
 }  // namespace detail
 
-/// Adhesive elastic spheres: normal force after Johnson, Kendall and Roberts, Mindlin's tangential
-/// spring, Coulomb's limit on what presses the bodies together.
+/// Adhesive elastic spheres: normal force by Johnson, Kendall and Roberts, Mindlin's tangential
+/// spring, and Coulomb's limit with the adhesion included in the normal load.
 ///
 ///   F_n = 4 E* a^3/(3 R*) - sqrt(8 pi w E* a^3) - c_n v_n,  d = a^2/R* - sqrt(2 pi w a/E*)    (1)
 ///   c_n = 2 sqrt(5/6) zeta sqrt(S_n m*),  S_n = 2 E* a,  S_t = 8 G* a                         (2)
 ///   dF_t = - S_t v_t dt, total F_t - c_t v_t, |total| <= mu (F_n + 2 F_c), F_c = 3/2 pi w R*  (3)
 ///
-/// They attach where they touch, d = 0, and let go at d_t < 0: jkr_overlap_at_parting(). What that
-/// costs, jkr_energy_loss(), adds to the loss of the dashpot; restitution is what the dashpot alone
-/// would give. Closed forms of all this: contact/adhesion.hpp.
+/// Bodies attach when they touch, d = 0, and separate at d_t < 0: jkr_overlap_at_parting(). The
+/// energy lost in this cycle is jkr_energy_loss(). It adds to the loss of the dashpot.
+/// `restitution` is that of the dashpot alone. Closed forms: contact/adhesion.hpp.
 ///
 /// Source: K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324 (1971) 301; C. Thornton,
-///         J. Phys. D 24 (1991) 1942 (2 F_c in the limit of friction); a(d) by detail::
-///         root_of_contact_radius. S_n of (2) is Hertz' for a, dF/dd is larger as a comes near the
-///         end. No peeling, a does not depend on F_t.
-/// Valid:  tabor_parameter > 5: soft, larger, sticky spheres; else Cohesive<HertzMindlin, Dmt>. A
-///         softened modulus needs a smaller w: w_soft = w f^(2/5), f the factor on E*.
+///         J. Phys. D 24 (1991) 1942 (2 F_c in the friction limit); a(d) by
+///         detail::root_of_contact_radius. S_n of (2) is Hertz' stiffness for a; dF/dd is larger
+///         near separation. No peeling: a does not depend on F_t.
+/// Valid:  tabor_parameter > 5: soft, large, strongly adhesive spheres; otherwise use
+///         Cohesive<HertzMindlin, Dmt>. A reduced modulus needs a smaller w: w_soft = w f^(2/5), f
+///         the factor on E*.
 /// Units:  SI. Shapes: Real = double or batch, lane = pair. History: 4 Reals (force [N], a [m]).
 /// Errors: InputError naming field, value, unit and allowed range.
 /// Tests:  tests/contact/jkr.cpp, tests/physics/cohesion.cpp.
@@ -120,7 +121,7 @@ struct Jkr {
     return {Fn, Ft};
   }
 
-  /// Until there they may stay attached.
+  /// Range up to which bodies may stay attached.
   template <class Real>
   static SILT_INLINE Real range(const Coefficients<Real>& p, const Real& R_eff) {
     return Real(3) * p.stickiness * cube_root(p.stickiness * R_eff);
@@ -134,10 +135,10 @@ struct Jkr {
   static SILT_INLINE Real pressing(const Contact<Real>& c, const Coefficients<Real>& p,
                                    const Real& normal) {
     const Real sum = max(normal + twice_pull_off(c, p), Real(0));
-    return select(abs(normal) > Real(0), sum, Real(0));  // normal is 0 where they are not attached
+    return select(abs(normal) > Real(0), sum, Real(0));  // normal is 0 where they are detached
   }
-  /// Hertz' spring: what adhesion adds and takes is not stored in it, as tearing it apart costs
-  /// more than it gave.
+  /// Only the Hertz spring is counted as stored energy: the work of adhesion is not recovered, as
+  /// separation takes more energy than attachment releases.
   template <class Real>
   static SILT_INLINE Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
                                          const History<Real>& h) {

@@ -10,13 +10,13 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Linear spring and dashpot along the normal; with friction a linear tangential spring too.
+/// Linear spring and dashpot along the normal; with friction also a linear tangential spring.
 ///
 ///   F_n = k_n d - c_n v_n,  c_n = 2 zeta sqrt(m* k_n)                                        (1)
 ///   F_t = -k_t s - c_t v_t, |F_t| <= mu F_n,  k_t/k_n = shear_ratio, c_t = c_n sqrt(k_t/k_n) (2)
 ///
-/// `LinearSpring` has no friction: particles need neither rotation nor contact history.
-/// Two materials in contact act as springs in series, so that k is given for like pairs.
+/// `LinearSpring` has no friction; particles need neither rotation nor contact history. k is given
+/// for two bodies of the same material. Two materials in contact act as springs in series.
 ///
 /// Source: P. A. Cundall, O. D. L. Strack, Geotechnique 29 (1979) 47; T. Schwager, T. Poeschel,
 ///         Granular Matter 9 (2007) 465 (the end of contact, `DampingEnd`).
@@ -76,7 +76,7 @@ struct BasicLinearSpring {
   }
 };
 
-/// As BasicLinearSpring, with a tangential spring and Coulomb friction.
+/// BasicLinearSpring with a tangential spring and Coulomb friction.
 /// Source: equation (2) of BasicLinearSpring, P. A. Cundall, O. D. L. Strack 1979.
 /// Valid:  as BasicLinearSpring; spheres and bodies.
 /// Units:  SI. Shapes: Real = double or batch, lane = pair. History: 3 Reals [m].

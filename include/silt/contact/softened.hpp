@@ -10,54 +10,58 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A contact law whose small spheres are softer than their material, so that they do not dictate
-/// the time step, with a safeguard against the deep overlaps that this risks.
+/// Contact law in which small spheres are softer than their material. They then do not limit the
+/// time step. A safeguard ends overlaps that become too deep.
 ///
 ///   silt::Contacts<silt::Softened<silt::HertzMindlin>> contacts{
-///       {.solid = glass, .full_radius = 1e-3}};     // [m] smaller ones behave as this one
+///       {.solid = glass, .full_radius = 1e-3}};     // [m] larger spheres stay hard
 ///
-///   f_i = min(1, max((R_i/R_full)^(5/2), least))   on the modulus of sphere i; walls: 1 (1)
+///   f_i = min(1, max((R_i/R_full)^(5/2), least))   on the modulus of sphere i; 1 for walls  (1)
 ///
 ///   1/E* = a_i/f_i + a_j/f_j, a_i + a_j = 1/E* of the solids                                  (2)
 ///
-///   beyond an overlap of deepest 2 min(R_i, R_j), while approaching: the normal velocity becomes
-///   e v_0 of separation, and the contact carries nothing until it ends                        (3)
+///   beyond an overlap of deepest 2 min(R_i, R_j), while approaching: the relative normal velocity
+///   is set to e v_0, separating, and the contact exerts no force until it ends               (3)
 ///
 /// With the exponent of (1) (ContactTime; Rayleigh: 2, LinearSpring: 3) a small sphere's contact
-/// lasts as long as that of one of R_full; its overlap over the diameter grows by R_full/R. Where
-/// that would be too much, `least` is the bound: softest_modulus() over the solid's modulus. (2)
-/// scales the tangential stiffness alike. (3) is exact for an impact of two: v_0 is the approach at
-/// first touch, e the restitution. If others press the pair together again, a
-/// dashpot resists; what it cannot hold, Guard::max_overlap stops.
-/// `Simulation::safeguarded()` counts how often (3) acted: it should be rare, or the scene is not
-/// one to be softened: check that its results do not change with `full_radius`. The largest force
-/// that an impact would have had without all this, for breakage: physical_force().
+/// lasts as long as that of a sphere of radius R_full. Its overlap relative to the diameter grows
+/// by R_full/R. `least` limits this: use softest_modulus() divided by the solid's modulus. (2)
+/// scales the tangential stiffness by the same factor.
+///
+/// (3) is exact for a binary impact: v_0 is the approach speed at first touch, e the restitution.
+/// If other particles press the pair together again, a dashpot resists. Deeper overlaps are caught
+/// by Guard::max_overlap. `Simulation::safeguarded()` counts how often (3) acted. It should be
+/// rare; otherwise the scene should not be softened. Check that the results do not change with
+/// `full_radius`. For breakage, physical_force() gives the largest force of the impact without
+/// softening.
 ///
 /// Source: T. Brosh, H. Kalman, A. Levy, Particuology 12 (2014) 113 (softening, limit of 15 % of
-///         the diameter); the velocity v_0 of first touch instead of the present one is silt's: the
-///         present one gives 0.87 for 0.9, as the spring has taken its part by then.
-/// Valid:  scenes driven by drag, gravity or walls rather than by elastic waves.
+///         the diameter). silt uses the velocity v_0 of first touch in (3) instead of the present
+///         velocity: with the present one a restitution of 0.9 becomes 0.87, as the spring has
+///         already slowed the spheres.
+/// Valid:  scenes driven by drag, gravity or walls, not by elastic waves.
 /// Units:  SI. Shapes: Real = double or batch, lane = pair. History: the body's and 1 Real [m/s].
-/// Errors: InputError naming field, value, unit and allowed range. Does not compile with Gear: (3)
-///         acts in one step, and Gear makes more of it.
+/// Errors: InputError naming field, value, unit and allowed range. Refused with Gear at compile
+///         time: (3) changes the velocity within one step, which Gear's corrector amplifies.
 /// Tests:  tests/contact/softened.cpp.
 template <class Body, Softening Rule = Softening::ContactTime>
 struct Softened {
   static_assert(
       ContactLaw<Body>,
-      "Softened<Body>: Body is no ContactLaw; its contract is in silt/contact/concept.hpp");
+      "Softened<Body>: Body is not a ContactLaw; its contract is in silt/contact/concept.hpp");
   static_assert(
       requires(const typename Body::template Coefficients<double>& p) { Body::scaled(p, 1.0); },
-      "Softened<Body>: Body must say by scaled() what its coefficients are when it is softer, as "
+      "Softened<Body>: Body must have scaled(), which returns the coefficients of a softer body, "
+      "as "
       "silt/contact/concept.hpp says");
   static_assert(is_frictional<Body> && !ActsAtDistance<Body>,
                 "Softened<Body>: Body must be a frictional law without a range");
 
   struct Material {
     typename Body::Material solid;
-    double full_radius = 0;  // [m] R_full >= 0 of spheres of this material; 0: none is softened
-    double least = 0;        // [-] in [0, 1], bound of the factor
-    double deepest = 0.15;   // [-] > 0, overlap over the smaller diameter; infinite: no safeguard
+    double full_radius = 0;  // [m] R_full >= 0 of spheres of this material; 0: no softening
+    double least = 0;        // [-] in [0, 1], lower bound of the factor
+    double deepest = 0.15;   // [-] > 0, overlap over smaller diameter; infinite: no safeguard
     bool operator==(const Material&) const = default;
   };
   using Pair = typename Body::Pair;
@@ -65,14 +69,14 @@ struct Softened {
   struct Coefficients {
     typename Body::template Coefficients<Real> body;
     Real share_i, share_j;        // [-] a_i, a_j over their sum
-    Real per_full_i, per_full_j;  // [1/m] 1/R_full, or so large that none is smaller
+    Real per_full_i, per_full_j;  // [1/m] 1/R_full; very large: no softening
     Real least_i, least_j;        // [-]
     Real deepest;                 // [-]
     Real restitution;             // [-]
   };
   template <class Real>
   struct History : detail::HistoryOf<Body, Real>::type {
-    Real approach;  // [m/s] at first touch; negative: the safeguard has acted
+    Real approach;  // [m/s] at first touch; < 0: the safeguard has acted
   };
   static constexpr bool needs_radii = true;
 
@@ -113,7 +117,7 @@ struct Softened {
     h.approach = now;
     return f;
   }
-  /// True in the lanes in which the safeguard acted in this step.
+  /// True in the lanes where the safeguard acted in this step.
   template <class Real>
   static SILT_INLINE Mask<Real> safeguarded(const History<Real>& before, const History<Real>& now) {
     const Real zero(0);
@@ -144,7 +148,7 @@ struct Softened {
     s.stiffening = select(carries, s.stiffening, zero);
     return s;
   }
-  /// For partners of radii R_i and R_j [m]; of a wall: R_j = 0.
+  /// Contact time [s] of partners of radii R_i and R_j [m]; wall: R_j = 0.
   static double contact_time(const Coefficients<double>& p, double R_i, double R_j, double m_eff,
                              double speed) {
     const double R_eff = R_j > 0 ? 1 / (1 / R_i + 1 / R_j) : R_i;
@@ -155,7 +159,7 @@ struct Softened {
                                double speed) {
     return Body::impact_force(p.body, R_eff, m_eff, speed);
   }
-  /// E* over that of the solids [-].
+  /// Ratio of E* to that of the solids [-].
   template <class Real>
   static SILT_INLINE Real factor(const Coefficients<Real>& p, const Real& R_i, const Real& R_j) {
     const Real one(1);

@@ -8,17 +8,17 @@
 #include <silt/core/lanes.hpp>
 #include <silt/core/position_row.hpp>
 
-// Writing what some lanes of a pack have found, one after the other, without a branch on which.
+// Compaction: writes the selected lanes of a pack one after the other, without branches.
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Writes {a, b[lane]} for every lane whose bit is set; returns where the next one goes. There must
-/// be room for `Width` pairs, and as many b, whatever the bits.
+/// Writes {a, b[lane]} for every lane whose bit is set; returns the end of the output. The output
+/// needs space for `Width` pairs, and b must have `Width` entries, for any bits.
 template <std::size_t Width>
 SILT_INLINE IndexPair* put_pairs(std::uint32_t a, const std::uint32_t* b, std::uint64_t bits,
                                  IndexPair* out) {
 #if defined(__AVX512F__)
-  if constexpr (Width == 8) {  // without a branch on the bits, which nothing could predict
+  if constexpr (Width == 8) {  // without unpredictable branches on the bits
     const __m512i second = _mm512_slli_epi64(
         _mm512_cvtepu32_epi64(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(b))), 32);
     const __m512i pairs = _mm512_or_si512(second, _mm512_set1_epi64(a));
@@ -31,7 +31,7 @@ SILT_INLINE IndexPair* put_pairs(std::uint32_t a, const std::uint32_t* b, std::u
   return out;
 }
 
-/// Writes k + lane for every lane whose bit is set; returns where the next one goes.
+/// Writes k + lane for every lane whose bit is set; returns the end of the output.
 template <std::size_t Width>
 SILT_INLINE std::uint32_t* put_places(std::size_t k, std::uint64_t bits, std::uint32_t* out) {
   const auto first = static_cast<std::uint32_t>(k);

@@ -1,12 +1,12 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Eigen, for those headers of silt that solve dense systems: scenes do not need it. Found as
-// <Eigen/Dense> by the flags of the project, or where Debian puts it.
+// Eigen, for headers of silt that solve dense systems; most scenes do not need it. Found as
+// <Eigen/Dense> by the flags of the project, or at its place in Debian.
 
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic push
-// GCC 12 takes what its own intrinsics of AVX-512 leave undefined for a mistake of Eigen.
+// GCC 12 mistakes undefined values in its own AVX-512 intrinsics for an error in Eigen.
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #pragma GCC diagnostic ignored "-Wuninitialized"
 #endif

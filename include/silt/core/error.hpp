@@ -12,8 +12,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-// Sentences, and what else runs once in a while, are [[gnu::cold]]: compiled for size, out of the
-// way, they take less of the time that every program takes to compile.
+// Message functions and other rarely used code are [[gnu::cold]]: compiled for size and placed
+// apart, they reduce the compile time of every program.
 
 namespace detail {
 
@@ -24,7 +24,7 @@ inline void append(std::string& out, double value) {
   out.append(buffer, end);
 }
 
-/// Appends six significant digits of it, without noughts at the end.
+/// Appends six significant digits, without trailing zeros.
 [[gnu::cold]] inline void append_rounded(std::string& out, double value) {
   char buffer[32];
   out.append(
@@ -32,8 +32,9 @@ inline void append(std::string& out, double value) {
       std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, 6).ptr);
 }
 
-/// One word or number of a sentence. Not a template, and neither are the functions that take it:
-/// sentences are many, and each would cost every program that includes silt compile time.
+/// One word or number of a message. Neither this class nor the functions that take it are
+/// templates: there are many messages, and each would add compile time to every program that
+/// includes silt.
 class Part {
  public:
   Part() = default;
@@ -100,15 +101,15 @@ template <class... Parts>
 
 namespace detail {
 
-/// As text(), with numbers to six digits: for messages about what a run has computed. Those about
-/// what was given keep all digits, as 1.0000001 must not be refused as 1.
+/// As text(), with numbers of six digits, for messages about computed values. Messages about input
+/// keep all digits: 1.0000001 must not be reported as 1.
 template <class... Parts>
 [[gnu::cold]] std::string sentence(const Parts&... parts) {
   return join({parts...}, true);
 }
 
-/// Length [bytes] of the printable character that `words` begins with, 0 if it has none: a control
-/// character, or bytes that are no UTF-8.
+/// Length [bytes] of the first character of `words` if it is printable; 0 for a control character
+/// or invalid UTF-8.
 [[gnu::cold]] inline std::size_t printable_length(std::string_view words) {
   const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(words[k]); };
   if (byte(0) < 0x80) return byte(0) >= 0x20 && byte(0) != 0x7f;
@@ -117,7 +118,7 @@ template <class... Parts>
   for (std::size_t k = 1; k < length; ++k)
     if ((byte(k) & 0xc0) != 0x80) return 0;
   if (byte(0) == 0xc2 && byte(1) < 0xa0) return 0;  // control characters of Latin-1
-  // Invisible ones: zero widths, directions of writing, byte-order mark.
+  // Invisible ones: zero width, writing direction, byte-order mark.
   if (byte(0) == 0xe2 && byte(1) == 0x80 && (byte(2) <= 0x8f || byte(2) >= 0xa8)) return 0;
   if (byte(0) == 0xe2 && byte(1) == 0x81 && byte(2) >= 0xa0) return 0;
   if (byte(0) == 0xef && byte(1) == 0xbb && byte(2) == 0xbf) return 0;
@@ -126,8 +127,8 @@ template <class... Parts>
 
 }  // namespace detail
 
-/// Text of a file or a user as a sentence shows it: in quotes, the first `most` characters, and
-/// what cannot be printed as \n or \x1b, so that no terminal obeys it.
+/// Text of a file or a user for a message: in quotes, at most the first `most` characters, with
+/// unprintable ones as \n or \x1b, which terminals do not interpret.
 [[gnu::cold]] inline std::string in_quotes(std::string_view words, std::size_t most = 60) {
   std::string out = "'";
   const std::size_t whole = words.size();
@@ -154,7 +155,7 @@ void require(bool condition, const Parts&... parts) {
 }
 
 namespace detail {
-/// Element k of `all`, by the name that a sentence gives them.
+/// Element k of `all`; `name` is used in the message.
 template <class All>
 const auto& at(std::string_view name, const All& all, std::size_t k) {
   require(k < all.size(), name, '(', k, "): there ", all.size() == 1 ? "is " : "are ", all.size(),
@@ -188,7 +189,7 @@ inline void require_not_negative(std::string_view name, double value, std::strin
 
 }  // namespace silt
 
-/// Broken internal invariant in a hot path: checked in debug builds only.
+/// Internal invariant in a hot path: checked only in debug builds.
 #if defined(NDEBUG) && !defined(SILT_CHECKED)
 #define SILT_ASSERT(condition) ((void)0)
 #else

@@ -9,10 +9,10 @@
 
 #include <silt/core/target.hpp>
 
-// What silt throws stands outside of the namespace of its instruction set: an error that nobody
-// catches is then shown as silt::SimulationError, and a unit with other compile flags can catch it.
-// Nothing here may depend on those flags. Constructors and assignments are compiled into their
-// callers; destructors alone are functions that units share, and move no numbers
+// Exceptions of silt are outside the namespace of its instruction set. An uncaught one is then
+// shown as silt::SimulationError, and a translation unit with other compile flags can catch it.
+// Nothing here may depend on those flags. Constructors and assignments are inlined into their
+// callers; only destructors are shared between units, and they move no numbers
 // (tests/compile/units_apart.py).
 #define SILT_COPIES_INLINE(Class)                       \
   [[gnu::always_inline]] Class(const Class&) = default; \
@@ -20,14 +20,14 @@
 
 namespace silt {
 
-/// Everything silt throws derives from this; `what()` is one sentence: what, where, what to change.
+/// Base class of all exceptions of silt; `what()` is one sentence: what, where, what to change.
 struct Error : std::runtime_error {
   [[gnu::always_inline]] explicit Error(const std::string& sentence)
       : std::runtime_error(sentence) {}
   SILT_COPIES_INLINE(Error);
 };
 
-/// A value, file or combination that cannot be used. Nothing has been changed or written.
+/// An unusable value, file or combination. Nothing has been changed or written.
 struct InputError : Error {
   [[gnu::always_inline]] explicit InputError(const std::string& sentence) : Error(sentence) {}
   SILT_COPIES_INLINE(InputError);
@@ -39,10 +39,9 @@ struct FileError : Error {
   SILT_COPIES_INLINE(FileError);
 };
 
-/// The run itself went wrong: not a number, overlap or time step over its limit, a particle
-/// outside.
+/// The run failed: NaN, overlap or time step over its limit, a particle outside the domain.
 struct SimulationError : Error {
-  /// Three coordinates [m]; becomes a Vec3d wherever one is wanted.
+  /// Three coordinates [m]; converts to a Vec3d.
   struct Place {
     double x, y, z;
     template <class V>
@@ -62,12 +61,12 @@ struct SimulationError : Error {
   Place position;                        // [m]
 };
 
-/// A step of a flow that is too long for the flow as it is now.
+/// A flow step that is too long for the present flow.
 struct FlowStepError : Error {
   [[gnu::always_inline]] FlowStepError(const std::string& sentence, double longest_step)
       : Error(sentence), longest(longest_step) {}
   SILT_COPIES_INLINE(FlowStepError);
-  double longest;  // [s] that this flow allows
+  double longest;  // [s] longest step of this flow
 };
 
 }  // namespace silt

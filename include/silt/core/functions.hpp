@@ -5,13 +5,14 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Functions that few laws need, in + - * / and sqrt alone: one text for doubles and packs, on
-/// every instruction set. (Those of xsimd 8 do not compile for AVX-512 without
-/// optimisation; other names, as theirs would be found first.)
-/// Errors of double below; of float some 1e-7. Tests: tests/core/functions.cpp.
+/// Rarely used functions, built from + - * / and sqrt: one text for doubles and packs, on every
+/// instruction set. (Those of xsimd 8 do not compile for AVX-512 without optimisation. The names
+/// differ from xsimd's, which would be found first.) Errors of double below; of float some 1e-7.
+/// Tests: tests/core/functions.cpp.
 
 /// Cube root of x in [1e-24, 1e24], relative error 1e-15; 0 of 0 and below.
-/// x^(1/4) x^(1/16) x^(1/64) is x^(-1/192) off; Halley's method cubes the error three times.
+/// x^(1/4) x^(1/16) x^(1/64) has the relative error x^(-1/192); Halley's method cubes the error
+/// three times.
 template <class Real>
 inline Real cube_root(const Real& x) {
   const Real a = max(x, smallest<Real>());
@@ -48,7 +49,7 @@ inline Real hyperbolic_tangent(const Real& x) {
 /// atan of x in (-pi/2, pi/2), relative error 1e-15: halved three times, then its series.
 template <class Real>
 inline Real arc_tangent(const Real& x) {
-  Real t = max(min(x, Real(1e18)), Real(-1e18));  // no square overflows, also of float
+  Real t = max(min(x, Real(1e18)), Real(-1e18));  // no overflow of squares, also for float
   for (int k = 0; k < 3; ++k) t = t / (Real(1) + sqrt(Real(1) + t * t));  // |t| < 0.199
   const Real t2 = t * t;
   Real sum(0);

@@ -11,7 +11,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Nodes and weights of Gauss' rule on [0, 1] by Newton's iteration on the Legendre polynomial.
+/// Nodes and weights of Gauss quadrature on [0, 1], by Newton's method on the Legendre polynomial.
 template <int N>
 struct GaussRule {
   std::array<double, N> at{}, weight{};

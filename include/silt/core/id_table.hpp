@@ -11,8 +11,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A place for each id, in pages: of those that are in use alone, so that a high id costs no more
-/// memory than a low one. Both calls take constant time.
+/// A place for each id, in pages that are allocated only for ids in use: high ids cost no more
+/// memory than low ones. Both calls take constant time.
 class IdTable {
  public:
   std::uint32_t& at(ParticleId id) {
@@ -37,8 +37,8 @@ class IdTable {
   std::vector<std::vector<std::uint32_t>> pages_;
 };
 
-/// The same of ids that are few of many, as those of the particles that one of many ranks has: 16
-/// to 32 bytes each, however high they are; 24 and 48 on the way, while it grows. Open addressing.
+/// The same for a sparse set of ids, as those of the particles of one of many ranks: 16 to 32 bytes
+/// each for any ids, 24 to 48 while it grows. Open addressing.
 class IdHash {
  public:
   std::uint32_t& at(ParticleId id) {
@@ -52,7 +52,7 @@ class IdHash {
     const std::size_t k = slot_of(id);
     return ids_[k] == id ? places_[k] : no_place;
   }
-  /// Its room stays, unless it had much more than it needed.
+  /// Keeps its memory, unless it had much more than needed.
   void clear() {
     if (ids_.size() > 8 * least && 8 * count_ < ids_.size()) ids_ = {}, places_ = {};
     std::fill(ids_.begin(), ids_.end(), no_particle);
@@ -65,7 +65,7 @@ class IdHash {
  private:
   static constexpr std::size_t least = 16;
 
-  /// Where the id stands, or is to stand.
+  /// Slot of the id, or the free slot for it.
   std::size_t slot_of(ParticleId id) const {
     const std::size_t last = ids_.size() - 1;
     std::size_t k = (id * 0x9E3779B97F4A7C15u) >> (64 - std::bit_width(last));
@@ -83,7 +83,7 @@ class IdHash {
       }
   }
 
-  std::vector<ParticleId> ids_;  // a power of two; no_particle: free
+  std::vector<ParticleId> ids_;  // size: a power of two; no_particle: free
   std::vector<std::uint32_t> places_;
   std::size_t count_ = 0;
 };

@@ -8,7 +8,7 @@
 #include <type_traits>
 
 #if defined(__GNUC__) && !defined(__clang__)
-// GCC bug 105593: its own AVX-512 headers read undefined registers on purpose, and warn.
+// GCC bug 105593: its AVX-512 headers read undefined registers on purpose, and cause warnings.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wuninitialized"
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
@@ -21,7 +21,7 @@
 #include <silt/core/probe.hpp>
 #include <silt/core/vec3.hpp>
 
-/// For the few functions of a kernel that must end up in one loop body whatever their size.
+/// For the few functions of a kernel that must be inlined into one loop body whatever their size.
 #if defined(__GNUC__)
 #define SILT_INLINE inline __attribute__((always_inline))
 #else
@@ -30,16 +30,15 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The architecture of one lane: kernels run on plain `double`. Laws may then be such that work on
-/// one double alone.
+/// Architecture of one lane: kernels run on plain `double`. Laws may then work on double only.
 struct OneLane {};
 
-/// The same where no SIMD is to be had. Laws are held to what packs of lanes need, so that a law
-/// which compiles here compiles everywhere.
+/// The same where no SIMD is available. Laws must still meet the requirements of packs; a law that
+/// compiles here compiles everywhere.
 struct NoLanes : OneLane {};
 
-/// The architecture that the compile flags allow; part of every type that depends on it, so that
-/// two translation units with different flags can live in one program.
+/// Architecture allowed by the compile flags. It is part of every type that depends on it; two
+/// translation units with different flags can thus be in one program.
 #if defined(SILT_NO_SIMD)
 using DefaultArch = NoLanes;
 #else
@@ -86,21 +85,21 @@ struct ScalarOfReal<Real> {
 };
 }  // namespace detail
 
-/// float or double: what one lane of `Real` holds.
+/// Type of one lane of `Real`: float or double.
 template <class Real>
 using ScalarOf = typename detail::ScalarOfReal<Real>::type;
 
-/// The smallest positive Real of full precision: keeps a divisor from zero.
+/// Smallest positive Real of full precision, to keep a divisor from zero.
 template <class Real>
 inline Real smallest() {
   return Real(std::numeric_limits<ScalarOf<Real>>::min());
 }
 
-/// What comparing two Reals yields: `bool`, or one truth value a lane.
+/// Result of comparing two Reals: `bool`, or one truth value per lane.
 template <class Real>
 using Mask = decltype(std::declval<Real>() < std::declval<Real>());
 
-/// @name Arithmetic that reads the same on `double` and on a batch
+/// @name Arithmetic with the same text for `double` and batches
 /// Together with + - * / and comparisons this is all that a contact law needs.
 /// @{
 template <class Real>
@@ -135,7 +134,8 @@ inline Real max(const Real& a, const std::type_identity_t<Real>& b) {
   } else
     return a < b ? b : a;
 }
-/// `a` in the lanes where `mask` holds, `b` in the others. A NaN in a lane not taken does no harm.
+/// `a` in the lanes where `mask` is true, `b` in the others. NaN in a lane that is not selected
+/// does no harm.
 template <class Real>
 inline Real select(const Mask<Real>& mask, const Real& a, const std::type_identity_t<Real>& b) {
   if constexpr (is_batch<Real>) {
@@ -150,7 +150,7 @@ inline Vec3<Real> select(const Mask<Real>& mask, const Vec3<Real>& a, const Vec3
 }
 /// @}
 
-/// True if `mask` holds in at least one lane.
+/// True if `mask` is true in at least one lane.
 template <class M>
 inline bool any(const M& mask) {
   if constexpr (std::is_same_v<M, bool>)
@@ -176,7 +176,7 @@ inline void store(ScalarOf<Real>* aligned, const Real& x) {
   else
     *aligned = x;
 }
-/// A vector a lane, of three columns.
+/// One vector per lane, from three columns.
 template <class Real>
 inline Vec3<Real> load3(const ScalarOf<Real>* x, const ScalarOf<Real>* y, const ScalarOf<Real>* z) {
   return {load<Real>(x), load<Real>(y), load<Real>(z)};
@@ -209,7 +209,7 @@ SILT_INLINE Real multiply_add(const Real& a, const Real& b, const Real& c) {
   } else
     return a * b + c;
 }
-/// The sum over the lanes, in their order.
+/// Sum over the lanes, in their order.
 template <class Real>
 SILT_INLINE ScalarOf<Real> sum_of(const Real& a) {
   if constexpr (is_batch<Real>) {
@@ -223,8 +223,8 @@ SILT_INLINE ScalarOf<Real> sum_of(const Real& a) {
   }
 }
 
-/// Makes the compiler read anew what p points to. Compilers keep the indices of a pack in vector
-/// registers from one use to the next, which takes longer than to read them again.
+/// Makes the compiler load the memory at p again. Compilers keep the indices of a pack in vector
+/// registers from one use to the next, which takes longer than to load them again.
 template <class T>
 SILT_INLINE void read_anew([[maybe_unused]] const T*& p) {
 #if defined(__GNUC__)
@@ -232,7 +232,7 @@ SILT_INLINE void read_anew([[maybe_unused]] const T*& p) {
 #endif
 }
 
-/// One bit a lane, the first in the lowest place.
+/// One bit per lane, the first in the lowest place.
 template <class M>
 inline std::uint64_t lane_bits(const M& mask) {
   if constexpr (std::is_same_v<M, bool>) {

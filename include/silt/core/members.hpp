@@ -10,8 +10,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// An aggregate of Reals from what value(number of the member) gives. Member by member: a whole one
-/// that is cast from an array would go through memory.
+/// Makes an aggregate of Reals from value(number of the member). Member by member: a cast from an
+/// array would go through memory.
 template <class Aggregate, class Real, class Value>
 SILT_INLINE Aggregate members_of(const Value& value) {
   static_assert(std::is_trivially_copyable_v<Aggregate>);
@@ -26,7 +26,7 @@ SILT_INLINE Aggregate members_of(const Value& value) {
   (std::make_index_sequence<sizeof(Aggregate) / sizeof(Real)>{});
   return out;
 }
-/// The way back: to(number, member) for each member.
+/// The reverse: to(number, member) for each member.
 template <class Real, class Aggregate, class To>
 SILT_INLINE void for_each_member(const Aggregate& of, const To& to) {
   const auto get = [&](auto c) {
@@ -40,7 +40,7 @@ SILT_INLINE void for_each_member(const Aggregate& of, const To& to) {
   (std::make_index_sequence<sizeof(Aggregate) / sizeof(Real)>{});
 }
 
-/// A pack of doubles from memory, where they are kept as `Stored`.
+/// A pack of doubles from memory in which they are stored as `Stored`.
 template <class Real, class Stored>
 SILT_INLINE Real load_wide(const Stored* from) {
   if constexpr (std::is_same_v<Stored, double>) {

@@ -11,7 +11,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A wall, material or form by its number or its name.
+/// A wall, material or form by number or name.
 class NumberOrName {
  public:
   template <std::integral I>
@@ -28,46 +28,47 @@ class NumberOrName {
   std::size_t number_ = none;
   std::string_view name_;
 };
-/// A material, by its number or its name.
+/// A material, by number or name.
 using WhichMaterial = NumberOrName;
-/// A form, likewise.
+/// A form, by number or name.
 using WhichForm = NumberOrName;
 
 namespace detail {
 
-/// " 'lid'", or nothing of what has no name.
+/// " 'lid'", or empty without a name.
 [[gnu::cold]] inline std::string after_number(std::string_view name) {
   return name.empty() ? std::string() : text(" '", name, "'");
 }
-/// "wall 2 'lid'", or "wall 2" if it has no name.
+/// "wall 2 'lid'", or "wall 2" without a name.
 [[gnu::cold]] inline std::string numbered(const char* what, std::size_t k, std::string_view name) {
   return text(what, ' ', k, after_number(name));
 }
 
-/// " (material 1 'steel')" behind the entry of a list that has one for each material; nothing of
-/// one without a name.
+/// " (material 1 'steel')" after the entry of a list with one entry per material; empty without a
+/// name.
 template <class Contacts>
 [[gnu::cold]] std::string after_entry(const Contacts& contacts, std::size_t material) {
   return contacts.given_name(material).empty() ? std::string()
                                                : text(" (", contacts.material_name(material), ")");
 }
 
-/// InputError: a list of `entries` values for the contacts' materials from `first` on has more than
-/// there are.
+/// InputError if a list of `entries` values, for the contacts' materials from `first` on, is longer
+/// than their number.
 template <class Contacts>
 [[gnu::cold]] void check_entries(const char* list, std::size_t entries, std::size_t first,
                                  const Contacts& contacts) {
   const std::size_t n = contacts.materials();
-  require(first + entries <= n, list, " has ", entries, entries == 1 ? " entry" : " entries",
-          first == 0 ? "" : ", of material 1 and on", ", but the contacts and walls have ", n,
-          n == 1 ? " material" : " materials",
-          ": those of equal values are one unless they have names of their own "
-          "(contacts.add(material, name)); leave out the rest, or name them. The material of a wall "
-          "that comes later is added by contacts.add(material, name) beforehand");
+  require(
+      first + entries <= n, list, " has ", entries, entries == 1 ? " entry" : " entries",
+      first == 0 ? "" : ", from material 1 on", ", but the contacts and walls have ", n,
+      n == 1 ? " material" : " materials",
+      ": those of equal values are one unless they have names of their own "
+      "(contacts.add(material, name)); leave out the rest, or name them. The material of a wall "
+      "added later is registered by contacts.add(material, name) beforehand");
 }
 
-/// The names of all things of one kind: what one is called ("wall"), how many there are, name(k) of
-/// each (empty: none), and which call gives one a name. Tests: tests/engine/names.cpp.
+/// Names of all things of one kind: its word ("wall"), their number, name(k) of each (empty: none),
+/// and the call that gives a name. Tests: tests/engine/names.cpp.
 template <class NameOf>
 struct Names {
   const char* what;
@@ -75,11 +76,11 @@ struct Names {
   NameOf name;
   const char* given_by;
 
-  /// As messages call thing k.
+  /// Thing k as in messages.
   [[gnu::cold]] std::string words(std::size_t k) const {
     return numbered(what, k, k < count ? std::string_view(name(k)) : std::string_view());
   }
-  /// InputError: there is no such thing.
+  /// InputError if it does not exist.
   [[gnu::cold]] std::size_t number_of(const NumberOrName& which) const {
     if (!which.by_name()) {
       require(which.number() < count, what, '(', which.number(), "): there ",
@@ -98,9 +99,10 @@ struct Names {
                               ? text("no ", what, " has a name: give it one with ", given_by)
                               : text("the named ", what, "s are ", all)));
   }
-  /// Refuses a name that another one than `own` has, or that cannot stand in a message or a file.
+  /// Refuses a name that another thing than `own` has, or that is not suitable for messages and
+  /// files.
   [[gnu::cold]] void check(std::string_view wanted, std::size_t own) const {
-    require(!wanted.empty(), "a ", what, "'s name is empty; leave it out, or give it some letters");
+    require(!wanted.empty(), "a ", what, "'s name is empty; leave it out, or give a name");
     require(wanted.size() <= 80 && in_quotes(wanted).size() == wanted.size() + 2 &&
                 wanted.find_first_of("'=:") == wanted.npos,
             "the ", what, " name ", in_quotes(wanted),
@@ -113,14 +115,14 @@ struct Names {
 template <class NameOf>
 Names(const char*, std::size_t, NameOf, const char*) -> Names<NameOf>;
 
-/// The names of what has a member `name`.
+/// Names of things with a member `name`.
 template <class All>
 auto names_in(const char* what, const All& all, const char* given_by) {
   return Names{what, all.size(),
                [&all](std::size_t k) -> const std::string& { return all[k].name; }, given_by};
 }
 
-/// Calls check(); what it refuses is said of the thing of this name.
+/// Calls check(); a refusal mentions the thing with this name.
 template <class Check>
 void check_named(const char* what, const std::string& name, const Check& check) {
   if (name.empty()) return check();

@@ -8,16 +8,16 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Logarithm and power in lanes, one text for double, float and packs of them, on every
-/// instruction set. (Those of xsimd 8 do not compile for AVX-512 without optimisation; other names,
-/// as theirs would be found first.)
+/// Logarithm and power in lanes, one text for double, float and packs of them, on every instruction
+/// set. (Those of xsimd 8 do not compile for AVX-512 without optimisation. The names differ from
+/// xsimd's, which would be found first.)
 /// Valid:  x > 0 normal and finite; results in the range of normal numbers.
 /// Errors: of double: exact_log2 2e-16 absolute and relative, exact_exp2 5e-16 (two ulp) relative;
 ///         the rough ones 2e-7 absolute and relative, at half the work. Of float: 2e-7.
 /// Tests:  tests/core/powers.cpp.
 namespace detail {
 
-/// How a float and a double are stored.
+/// Memory layout of float and double.
 template <class Scalar>
 struct FloatLayout;
 template <>
@@ -35,7 +35,7 @@ struct FloatLayout<float> {
                         unit = 0x4B000000;
 };
 
-/// The bits of the lanes of a Real, as integers that can be shifted lane by lane.
+/// Bits of the lanes of a Real, as integers that can be shifted lane by lane.
 template <class Real>
 struct BitsOf {
   using type = typename FloatLayout<Real>::Bits;
@@ -43,7 +43,8 @@ struct BitsOf {
 template <class Real>
 requires is_batch<Real>
 struct BitsOf<Real> {
-  typedef typename FloatLayout<ScalarOf<Real>>::Bits type __attribute__((vector_size(sizeof(Real))));
+  typedef typename FloatLayout<ScalarOf<Real>>::Bits type
+      __attribute__((vector_size(sizeof(Real))));
 };
 
 template <class Real>
@@ -70,7 +71,7 @@ SILT_INLINE void split(const Real& x, Real& k, Real& m) {
 template <class Real>
 SILT_INLINE Real split_power(const Real& y, Real& f) {
   using S = FloatLayout<ScalarOf<Real>>;
-  // Its sum with y has round(y) in the lowest places.
+  // The sum with y has round(y) in its lowest bits.
   constexpr auto magic = static_cast<ScalarOf<Real>>(typename S::Bits{3} << (S::fraction - 1));
   const Real sum = y + Real(magic);
   f = y - (sum - Real(magic));
@@ -88,8 +89,8 @@ SILT_INLINE Real horner(const double (&c)[N], const Real& x) {
 
 }  // namespace detail
 
-/// log2(x): twice the series of artanh of (m - 1)/(m + 1). Summed in pairs, as one chain of ten
-/// products would wait for each of them.
+/// log2(x): twice the series of artanh of (m - 1)/(m + 1). Summed in pairs: in a single chain each
+/// of the ten products would wait for the previous one.
 template <class Real>
 SILT_INLINE Real exact_log2(const Real& x) {
   constexpr double c = 2.8853900817779268;  // 2 / ln 2
@@ -121,7 +122,7 @@ SILT_INLINE Real exact_exp2(const Real& y) {
   return power * (even + f * detail::horner(detail::exp2_odd, f2));
 }
 
-/// 2^y - 1, to a few ulp also where y is small.
+/// 2^y - 1, to a few ulp also for small y.
 template <class Real>
 SILT_INLINE Real exact_exp2_minus_1(const Real& y) {
   Real f;
@@ -131,7 +132,7 @@ SILT_INLINE Real exact_exp2_minus_1(const Real& y) {
   return power * part + (power - Real(1));
 }
 
-/// The largest |y| that exact_exp2 takes.
+/// Largest |y| allowed in exact_exp2.
 template <class Real>
 inline constexpr ScalarOf<Real> largest_power_of_two =
     static_cast<ScalarOf<Real>>(detail::FloatLayout<ScalarOf<Real>>::bias - 1);
@@ -142,7 +143,7 @@ SILT_INLINE Real power(const Real& x, const std::type_identity_t<Real>& y) {
   return exact_exp2(y * exact_log2(x));
 }
 
-/// e^x, 2^-1022 (float: 2^-126) where it is less; relative error 2e-16 |x| and two ulp.
+/// e^x, limited below to 2^-1022 (float: 2^-126); relative error 2e-16 |x| and two ulp.
 template <class Real>
 SILT_INLINE Real exponential(const Real& x) {
   constexpr auto most = largest_power_of_two<Real>;
@@ -150,7 +151,7 @@ SILT_INLINE Real exponential(const Real& x) {
       max(min(x * Real(ScalarOf<Real>(1.4426950408889634)), Real(most)), Real(-most)));
 }
 
-/// 1 - e^-x for x >= 0, to a few ulp also where x is small.
+/// 1 - e^-x for x >= 0, to a few ulp also for small x.
 template <class Real>
 SILT_INLINE Real one_minus_exponential(const Real& x) {
   constexpr auto most = largest_power_of_two<Real>;

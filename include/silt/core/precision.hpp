@@ -5,7 +5,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The precision axis of a Simulation and of an Sph: everything in double.
+/// Precision of a Simulation or an Sph: everything in double (default).
 /// Source: none.
 /// Valid:  every scene.
 /// Units:  none.
@@ -15,14 +15,15 @@ struct Double {
   using PairScalar = double;
 };
 
-/// Positions, integration, walls and lists in double; the work on pairs of particles in float:
-/// twice the lanes, half the bytes. Overlaps are formed from squares in double, without
-/// cancellation; what follows from them has an error of some 1e-7. Forces on a particle are sums of
-/// floats. Limits: a tangential spring that grows by less than 6e-8 of itself a step stays as it
-/// is; forces below 1e-19 N count as zero where their direction matters. Tests:
-/// tests/engine/precision.cpp.
+/// Mixed precision: positions, integration, walls and lists in double; forces between pairs of
+/// particles in float, with twice as many lanes and half the memory. Overlaps are computed from
+/// squares in double, without cancellation; quantities derived from them have an error of some
+/// 1e-7. Forces on a particle are sums of floats. Limits: a tangential spring that grows by less
+/// than 6e-8 of itself per step does not change; forces below 1e-19 N count as zero where their
+/// direction is needed.
+/// Tests:  tests/engine/precision.cpp.
 /// Source: none.
-/// Valid:  spheres and bodies of spheres, and Sph; convex bodies take Double.
+/// Valid:  spheres and bodies of spheres, and Sph; convex bodies need Double.
 /// Units:  none.
 /// Errors: none.
 struct Mixed {

@@ -9,12 +9,12 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A number that stands for a pack of lanes while a law is checked: it has the functions of
+/// Type that stands for a pack of lanes while a law is checked: it has the functions of
 /// core/lanes.hpp and computes nothing. Simulation and CoupledFlow instantiate every law once with
-/// it (engine/contact/ask_on_lanes.hpp, coupling/drag/concept.hpp), so that code which is right for
-/// one double alone is refused with a sentence on every instruction set. Without it AVX-512 would
-/// take `if (f < 0)`: its masks are integers, and one lane would decide for all. Tests:
-/// tests/core/probe.cpp, tests/compile/refused/.
+/// it (engine/contact/ask_on_lanes.hpp, coupling/drag/concept.hpp). Code that works only for a
+/// single double is thereby refused with a clear message on every instruction set. Without it
+/// AVX-512 would accept `if (f < 0)`: its masks are integers, and one lane would decide for all.
+/// Tests:   tests/core/probe.cpp, tests/compile/refused/.
 class ProbeMask {
   template <class T>
   static constexpr bool is_refused = std::is_void_v<T>;
@@ -33,7 +33,7 @@ class ProbeMask {
     return {};
   }
 
-  // What masks of lanes have, and bool too; with a bool on the left neither pack nor probe has it.
+  // Operators of masks and bool; with a bool on the left neither packs nor the probe have them.
   friend ProbeMask operator!(ProbeMask) { return {}; }
   friend ProbeMask operator==(ProbeMask, ProbeMask) { return {}; }
   friend ProbeMask operator!=(ProbeMask, ProbeMask) { return {}; }
@@ -72,7 +72,7 @@ class ProbeLane {
   template <class T>
   requires std::is_arithmetic_v<T> ProbeLane(T x) : value_(static_cast<double>(x)) {}
 
-  /// Implicit to double alone, so that std::sqrt and the like have one overload to take.
+  /// Converts implicitly only to double, which makes overloads such as std::sqrt unambiguous.
   template <class T>
   requires std::same_as<T, double>
   operator T() const { return refuse<T>(); }
@@ -116,7 +116,7 @@ class ProbeLane {
   ProbeLane& operator*=(ProbeLane) { return *this; }
   ProbeLane& operator/=(ProbeLane) { return *this; }
 
-  // Those that core/lanes.hpp takes from xsimd, and what a law may find by their bare names.
+  // Functions that core/lanes.hpp takes from xsimd, found by argument-dependent lookup.
   friend ProbeLane select(ProbeMask, ProbeLane a, ProbeLane) { return a; }
   friend ProbeLane min(ProbeLane a, ProbeLane) { return a; }
   friend ProbeLane max(ProbeLane a, ProbeLane) { return a; }

@@ -23,7 +23,7 @@ struct BasicQuaternion {
 };
 using Quaternion = BasicQuaternion<double>;
 
-/// The turn back.
+/// Inverse rotation.
 template <class Real>
 SILT_INLINE BasicQuaternion<Real> conjugate(const BasicQuaternion<Real>& q) {
   return {q.w, -q.x, -q.y, -q.z};
@@ -35,7 +35,7 @@ inline Quaternion rotation_about(const Vec3d& axis, double angle) {
   return {std::cos(0.5 * angle), s * axis.x, s * axis.y, s * axis.z};
 }
 
-/// `v` turned by `q`.
+/// `v` rotated by `q`.
 template <class Real>
 SILT_INLINE Vec3<Real> rotate(const BasicQuaternion<Real>& q, const Vec3<Real>& v) {
   const Vec3<Real> u = q.vector();

@@ -17,7 +17,8 @@ inline double polynomial(const double (&c)[8], double x) {
   return sum;
 }
 
-/// The z with P(Z < z) = p of the standard normal law; -inf at p <= 0, +inf at p >= 1.
+/// Quantile z with P(Z < z) = p of the standard normal distribution; -inf at p <= 0, +inf at p >=
+/// 1.
 /// Source: Wichura, Applied Statistics 37 (1988) 477, algorithm AS 241, PPND16 (relative error of
 /// about 1e-16).
 inline double normal_quantile(double p) {
@@ -69,28 +70,27 @@ inline double normal_quantile(double p) {
   return q < 0 ? -z : z;
 }
 
-/// P(Z < z) of the standard normal law, the inverse of normal_quantile.
+/// P(Z < z) of the standard normal distribution, the inverse of normal_quantile.
 inline double normal_probability_below(double z) {
   return 0.5 * std::erfc(-z * std::numbers::sqrt2 / 2);
 }
 
 }  // namespace detail
 
-/// Random numbers that are the same on every machine: SplitMix64 read as a hash of a counter,
+/// Random numbers, equal on every machine: SplitMix64 as a hash of a counter,
 ///
 ///   bits(n) = mix(seed + n * 0x9e3779b97f4a7c15),   n = 1, 2, ...
 ///
-/// so that seed and counter are its whole state: a checkpoint stores two integers.
+/// Seed and counter are the whole state: a checkpoint stores two integers.
 /// Source: Steele, Lea, Flood, OOPSLA 2014, doi:10.1145/2660193.2660195 (passes BigCrush).
-/// Valid:  period 2^64 for a seed; not for cryptography.
-/// Equal everywhere bit for bit: `bits`, `uniform()`, `open_uniform`, `index`. `uniform(a, b)` and
-/// `normal` may differ in the last digits where the compiler fuses a product and a sum, or where
-/// log is rounded otherwise.
+/// Valid:  period 2^64 per seed; not for cryptography. Equal everywhere, bit for bit: `bits`,
+///         `uniform()`, `open_uniform`, `index`. `uniform(a, b)` and `normal` may differ in the
+///         last digits if the compiler fuses a product and a sum, or if log is rounded differently.
 class Random {
  public:
   struct State {
     std::uint64_t seed = 1;
-    std::uint64_t counter = 0;  // how many numbers have been drawn
+    std::uint64_t counter = 0;  // of numbers drawn so far
     friend bool operator==(const State&, const State&) = default;
   };
 
@@ -113,15 +113,15 @@ class Random {
   /// Uniform in (0, 1), never 0 or 1: for logarithms and quantiles.
   double open_uniform() { return (static_cast<double>(bits() >> 12) + 0.5) * 0x1p-52; }
 
-  /// Uniform between `a` and `b` (which rounding may reach).
+  /// Uniform between `a` and `b`; rounding may reach `b`.
   double uniform(double a, double b) { return a + (b - a) * uniform(); }
 
-  /// Normal with mean 0 and standard deviation 1, cut off by the 53 bits at 8.2; one number drawn.
+  /// Normal with mean 0 and standard deviation 1, limited by the 53 bits to 8.2; draws one number.
   double normal() { return detail::normal_quantile(open_uniform()); }
 
   /// Uniform among 0, 1, ..., n - 1, without bias.
   std::uint64_t index(std::uint64_t n) {
-    require(n > 0, "Random::index(0): there is no number to choose from; n must be at least 1");
+    require(n > 0, "Random::index(0): n must be at least 1");
     const std::uint64_t surplus =
         (0 - n) % n;  // 2^64 mod n: values that would favour small numbers
     std::uint64_t drawn = bits();

@@ -9,8 +9,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Four scalars side by side, as rows of particles and loads keep them: one register of four, two
-/// of two, or four plain scalars, by the architecture.
+/// Four scalars, as stored in rows of particles and loads: one register of four, two of two, or
+/// four plain scalars, depending on the architecture.
 template <class Arch, class Scalar = double>
 struct Row4 {
   static constexpr std::size_t width = std::min<std::size_t>(Lanes<Arch, Scalar>::width, 4);
@@ -83,9 +83,8 @@ SILT_INLINE Row4<Arch, To> convert(const Row4<Arch, From>& row) {
 
 namespace detail {
 
-// A register holds one, two or four rows of four side by side: side_by_side() lays them there and
-// take_apart() takes them back; turn() makes columns of the 4x4 block that four registers hold at
-// each place.
+// A register contains one, two or four rows of four: side_by_side() combines them and take_apart()
+// separates them; turn() transposes the 4x4 block that four registers contain at each position.
 #if defined(__SSE2__)
 SILT_INLINE void turn(__m128 (&v)[4]) { _MM_TRANSPOSE4_PS(v[0], v[1], v[2], v[3]); }
 #endif
@@ -113,8 +112,8 @@ SILT_INLINE void take_apart(__m256 v, auto& a, auto& b) {
 #endif
 #if defined(__AVX512F__)
 // _mm512_unpacklo_pd(a, b), which g++ 12.2 may compile as if b were a: its pattern for vunpcklpd
-// has vmovddup as another form, which its register allocator takes where b is a known 0. Masses
-// changed by it: tests/compile/same_motion.cpp.
+// has vmovddup as an alternative, which its register allocator takes if b is a known 0. It changed
+// masses: tests/compile/same_motion.cpp.
 SILT_INLINE __m512d even_of(__m512d a, __m512d b) { return _mm512_mask_movedup_pd(a, 0xaa, b); }
 SILT_INLINE void turn(__m512d (&v)[4]) {
   const __m512i low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
@@ -171,7 +170,7 @@ SILT_INLINE void turn_back(Register (&v)[4], Row* rows) {
   }
 }
 
-/// Packs that turn in registers; others go through memory.
+/// Packs that are transposed in registers; others go through memory.
 template <class Real>
 concept Turns = requires(typename Real::register_type (&v)[4]) {
   turn(v);
@@ -179,7 +178,7 @@ concept Turns = requires(typename Real::register_type (&v)[4]) {
 
 }  // namespace detail
 
-/// Turns one row a lane into four columns: lane l of columns[c] = element c of rows[l].
+/// Transposes one row per lane to four columns: lane l of columns[c] = element c of rows[l].
 template <class Arch, class Scalar>
 SILT_INLINE void rows_to_columns(const Row4<Arch, Scalar> (&rows)[Lanes<Arch, Scalar>::width],
                                  typename Lanes<Arch, Scalar>::Real (&columns)[4]) {
@@ -202,7 +201,7 @@ SILT_INLINE void rows_to_columns(const Row4<Arch, Scalar> (&rows)[Lanes<Arch, Sc
   }
 }
 
-/// The way back: element c of rows[l] = lane l of columns[c].
+/// The reverse: element c of rows[l] = lane l of columns[c].
 template <class Arch, class Scalar>
 SILT_INLINE void columns_to_rows(const typename Lanes<Arch, Scalar>::Real (&columns)[4],
                                  Row4<Arch, Scalar> (&rows)[Lanes<Arch, Scalar>::width]) {
@@ -224,7 +223,7 @@ SILT_INLINE void columns_to_rows(const typename Lanes<Arch, Scalar>::Real (&colu
   }
 }
 
-/// Packs of doubles as one pack of floats, which has as many lanes as they have together.
+/// Number of packs of doubles with as many lanes as one pack of floats.
 template <class Arch>
 inline constexpr std::size_t packs_a_float_pack =
     Lanes<Arch, float>::width / Lanes<Arch, double>::width;

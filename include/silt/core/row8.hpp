@@ -7,7 +7,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Whether an architecture has registers of eight such scalars whose rows it can turn.
+/// Whether an architecture has registers of eight such scalars whose rows it can transpose.
 template <class Arch, class Scalar>
 inline constexpr bool has_row8 =
 #if defined(__AVX512F__)
@@ -18,7 +18,7 @@ inline constexpr bool has_row8 =
 #endif
     false;
 
-/// Eight scalars side by side in one register: a row of motion or of loads.
+/// Eight scalars in one register: a row of motion or of loads.
 template <class Arch, class Scalar>
 struct Row8 {
   static_assert(has_row8<Arch, Scalar>);
@@ -26,7 +26,7 @@ struct Row8 {
   Pack pack;
 
   static SILT_INLINE Row8 load(const Scalar* aligned) { return {silt::load<Pack>(aligned)}; }
-  /// Three entries `low` and one of their own, three `high` and one of their own.
+  /// Three entries `low` and their last one, three `high` and their last one.
   static SILT_INLINE Row8 of(Scalar low, Scalar low_last, Scalar high, Scalar high_last) {
     alignas(64) const Scalar values[8] = {low, low, low, low_last, high, high, high, high_last};
     return load(values);
@@ -42,7 +42,8 @@ struct Row8 {
   friend SILT_INLINE Row8 operator*(const Row8& a, const Row8& b) { return {a.pack * b.pack}; }
 };
 
-/// Turns one row a lane into eight columns: element c of rows[l] = lane l of low[c] or high[c - 4].
+/// Transposes one row per lane to eight columns: element c of rows[l] = lane l of low[c] or high[c
+/// - 4].
 template <class Arch, class Scalar>
 SILT_INLINE void rows_to_columns(
     [[maybe_unused]] const Row8<Arch, Scalar> (&rows)[Lanes<Arch, Scalar>::width],
@@ -87,7 +88,7 @@ SILT_INLINE void rows_to_columns(
 #endif
 }
 
-/// The way back.
+/// The reverse.
 template <class Arch, class Scalar>
 SILT_INLINE void columns_to_rows(
     [[maybe_unused]] const typename Lanes<Arch, Scalar>::Real (&low)[4],

@@ -17,7 +17,8 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// [B] Arrays that all began at the same place of a page would meet in the same sets of a cache.
+/// [B] Different page offsets of arrays: with equal offsets they would compete for the same cache
+/// sets.
 inline std::size_t next_shift() {
   static std::atomic<std::size_t> count{0};
   return 320 * (count.fetch_add(1, std::memory_order_relaxed) % 12);
@@ -25,10 +26,10 @@ inline std::size_t next_shift() {
 
 }  // namespace detail
 
-/// Memory on cache-line boundaries, so that rows and packs of lanes never straddle two lines. Large
-/// pieces are asked for in huge pages (Linux, where /sys/kernel/mm/transparent_hugepage/enabled
-/// says "madvise" or "always"): particles are looked up from all over their arrays, and with pages
-/// of 4 KiB most of these lookups would wait for the page tables too.
+/// Memory aligned to cache lines: rows and packs of lanes never straddle two lines. Large blocks
+/// are requested in huge pages (Linux, if /sys/kernel/mm/transparent_hugepage/enabled is "madvise"
+/// or "always"). Particles are accessed all over their arrays, and with pages of 4 KiB most of
+/// these accesses would wait for the page tables too.
 template <class T>
 class CacheAligned {
  public:
@@ -45,7 +46,7 @@ class CacheAligned {
     const auto base =
         static_cast<std::byte*>(::operator new (bytes + shift, std::align_val_t{page}));
 #if defined(MADV_HUGEPAGE)
-    // A hint: where it is refused, pages are small.
+    // A hint: if it is refused, pages are small.
     static_cast<void>(madvise(base, (bytes + shift) / page * page, MADV_HUGEPAGE));
 #endif
     return reinterpret_cast<T*>(base + shift);
@@ -62,14 +63,14 @@ class CacheAligned {
   static constexpr std::size_t page = 2 << 20, large = 4 << 20;  // [B]
 };
 
-/// A vector whose memory begins at a line of the cache.
+/// Vector whose memory begins at a cache line.
 template <class T>
 using AlignedVector = std::vector<T, CacheAligned<T>>;
 
 namespace detail {
 
-/// Gives a vector n values whose contents do not matter. Where it must grow, it lets go of what it
-/// has first and takes an eighth more than it needs: not both the old and twice the room.
+/// Resizes a vector to n undefined values. If it must grow, it first frees its memory and then
+/// allocates an eighth more than needed; old and new memory do not coexist.
 template <class V>
 void make_room(V& values, std::size_t n) {
   if (n > values.capacity()) {

@@ -9,7 +9,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A symmetric tensor of three dimensions.
+/// Symmetric tensor of three dimensions.
 struct Symmetric3 {
   double xx = 0, yy = 0, zz = 0, xy = 0, yz = 0, zx = 0;
 
@@ -29,7 +29,7 @@ inline Symmetric3 outer(const Vec3d& v) {
   return {v.x * v.x, v.y * v.y, v.z * v.z, v.x * v.y, v.y * v.z, v.z * v.x};
 }
 
-/// The tensor of these components along the axes x, y and z.
+/// Tensor with these components along the axes x, y and z.
 inline Symmetric3 tensor_along(const Vec3d& x, const Vec3d& y, const Vec3d& z,
                                const Symmetric3& s) {
   const Vec3d a = s.xx * x + s.xy * y + s.zx * z, b = s.xy * x + s.yy * y + s.yz * z,
@@ -39,14 +39,14 @@ inline Symmetric3 tensor_along(const Vec3d& x, const Vec3d& y, const Vec3d& z,
           a.y * x.z + b.y * y.z + c.y * z.z, a.z * x.x + b.z * y.x + c.z * z.x};
 }
 
-/// Principal values and axes: tensor = R diag(values) R^T, R the rotation that `axes` stands for.
+/// Principal values and axes: tensor = R diag(values) R^T, R the rotation `axes`.
 struct Principal {
   Vec3d values;
   Quaternion axes;
 };
 
-/// The rotation whose columns are three orthonormal vectors of positive orientation. Takes the
-/// largest of the four possible divisors (Shepperd, J. Guid. Control 1 (1978) 223).
+/// Rotation whose columns are three right-handed orthonormal vectors. Uses the largest of the four
+/// possible divisors (Shepperd, J. Guid. Control 1 (1978) 223).
 inline Quaternion rotation_of(const Vec3d& x, const Vec3d& y, const Vec3d& z) {
   const double four[4] = {1 + x.x + y.y + z.z, 1 + x.x - y.y - z.z, 1 - x.x + y.y - z.z,
                           1 - x.x - y.y + z.z};
@@ -62,7 +62,7 @@ inline Quaternion rotation_of(const Vec3d& x, const Vec3d& y, const Vec3d& z) {
   return {c, g, f, s / 2};
 }
 
-/// By cyclic Jacobi rotations, to rounding. Values keep the order of the axes they are nearest to.
+/// By cyclic Jacobi rotations, to rounding. Values are in the order of the nearest axes.
 /// Source: Golub and Van Loan, Matrix Computations, 8.5.
 inline Principal principal(const Symmetric3& t) {
   double a[3][3] = {{t.xx, t.xy, t.zx}, {t.xy, t.yy, t.yz}, {t.zx, t.yz, t.zz}};
@@ -73,7 +73,7 @@ inline Principal principal(const Symmetric3& t) {
       for (int q = p + 1; q < 3; ++q) {
         if (std::abs(a[p][q]) <= 1e-17 * std::sqrt(std::abs(a[p][p] * a[q][q]))) continue;
         done = false;
-        // The smaller of the two rotations that make a[p][q] vanish.
+        // The smaller of the two rotations that make a[p][q] zero.
         const double half = 0.5 * (a[q][q] - a[p][p]) / a[p][q];
         const double tangent = std::copysign(1.0, half) / (std::abs(half) + std::hypot(half, 1.0));
         const double c = 1 / std::hypot(tangent, 1.0), s = c * tangent;

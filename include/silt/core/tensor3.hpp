@@ -5,7 +5,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A tensor of three dimensions, row by row.
+/// Tensor of three dimensions, row by row.
 struct Tensor3 {
   double xx = 0, xy = 0, xz = 0, yx = 0, yy = 0, yz = 0, zx = 0, zy = 0, zz = 0;
 

@@ -12,23 +12,23 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// How many threads this machine runs at once.
+/// Number of threads that this machine can run concurrently.
 inline int default_threads() {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-/// Threads that share loops of independent parts with the one that owns them.
+/// Team of threads that execute loops of independent parts together with their owner.
 ///
-/// What a part does must not depend on who does it: results are then the same for every number of
-/// threads. Every thread begins with the same share of consecutive parts in each loop, so that what
-/// belongs to the same particles stays in its caches from loop to loop; whoever is done takes parts
-/// from the ends of the others' shares. The owner takes part, and it waits for parts, not for
-/// threads: where a core is taken away only the part on that core is held up. Whoever waits spins
-/// for some microseconds and then sleeps, so that a busy machine loses nothing to waiting (the
-/// barriers of OpenMP runtimes spin for milliseconds, and a header cannot tell them otherwise).
+/// The work of a part must not depend on the thread: results are then equal for every number of
+/// threads. In each loop every thread starts with the same share of consecutive parts, which keeps
+/// data of the same particles in its caches. A thread that is done takes parts from the ends of
+/// other shares. The owner works too, and waits for parts, not for threads: if a core is taken by
+/// another program, only the part on that core is delayed. Waiting threads spin for some
+/// microseconds and then sleep, which costs little on a busy machine. (The barriers of OpenMP
+/// runtimes spin for milliseconds, and a header cannot change that.)
 class Team {
  public:
-  Team(int threads = 1)  // NOLINT: a number of threads is a team
+  Team(int threads = 1)  // NOLINT: implicit
       : shares_(static_cast<std::size_t>(checked(threads))) {
     for (std::size_t k = 1; k < shares_.size(); ++k) workers_.emplace_back([this, k] { work(k); });
   }
@@ -44,16 +44,15 @@ class Team {
   static constexpr std::size_t most_ranges = 64;
 
   /// Calls body(range, from, to) for consecutive ranges that cover 0 ... n-1. Ranges are numbered
-  /// from 0, at most most_ranges; which ones there are depends on n alone.
+  /// from 0, at most most_ranges; they depend only on n.
   template <class Body>
   void for_ranges(std::size_t n, const Body& body) const {
     const std::size_t ranges = std::clamp<std::size_t>(n / 256, 1, most_ranges);
     for_parts(ranges, [&](std::size_t r) { body(r, n * r / ranges, n * (r + 1) / ranges); });
   }
 
-  /// Calls body(part) for part = 0 ... parts-1. Not to be called from within a body. One call of a
-  /// part is compiled, for one thread and for many alike: compilers spend most of their time on
-  /// bodies.
+  /// Calls body(part) for part = 0 ... parts-1. Not to be called from within a body. The body is
+  /// compiled once, for any number of threads: compilers spend most of their time on bodies.
   template <class Body>
   void for_parts(std::size_t parts, const Body& body) const {
     run(parts, &body,
@@ -64,7 +63,7 @@ class Team {
   using Call = void (*)(const void*, std::size_t);
   static constexpr std::uint64_t limit = 1u << 20, loops = 1u << 24, stop = ~std::uint64_t{0};
 
-  /// What is left of a thread's share: loop and parts from ... to-1, in 24 + 20 + 20 bits.
+  /// Rest of a thread's share: loop and parts from ... to-1, in 24 + 20 + 20 bits.
   struct Left {
     std::uint64_t loop, from, to;
     explicit Left(std::uint64_t packed)
@@ -101,8 +100,8 @@ class Team {
     return threads;
   }
 
-  /// Does parts of the present loop until none is left. That an exchange of a share succeeds proves
-  /// that its loop is still under way, so that call_ and body_ belong to it.
+  /// Executes parts of the present loop until none is left. A successful exchange of a share proves
+  /// that its loop is still running; call_ and body_ then belong to it.
   void take_parts(std::size_t own) const {
     std::size_t taken = 0;
     for (std::size_t k = 0; k < shares_.size(); ++k) {
@@ -131,7 +130,7 @@ class Team {
     }
   }
 
-  /// Returns when `ready(value)` holds: spins a little, then sleeps.
+  /// Returns when `ready(value)` is true: spins briefly, then sleeps.
   template <class T, class Ready>
   static void wait(const std::atomic<T>& value, const Ready& ready) {
     for (int spin = 0; spin < 2000; ++spin) {
@@ -153,7 +152,7 @@ class Team {
 
 namespace detail {
 
-/// The number of pieces of `size` that cover `n`.
+/// Number of pieces of `size` that cover `n`.
 constexpr std::size_t pieces(std::size_t n, std::size_t size) { return (n + size - 1) / size; }
 
 }  // namespace detail

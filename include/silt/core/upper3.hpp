@@ -7,8 +7,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// An upper triangular matrix of three rows. Sums, products and inverses of such matrices are
-/// upper triangular too: edges of a box under shear, its velocity gradient and its deformation.
+/// Upper triangular 3 x 3 matrix. Sums, products and inverses are upper triangular too: edges of a
+/// box under shear, its velocity gradient and its deformation.
 struct Upper3 {
   double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
 
@@ -43,11 +43,11 @@ struct Upper3 {
   double determinant() const { return xx * yy * zz; }
 };
 
-/// The sum of the products of entries.
+/// Sum of the products of entries.
 inline double inner(const Upper3& a, const Upper3& b) {
   return a.xx * b.xx + a.yy * b.yy + a.zz * b.zz + a.xy * b.xy + a.xz * b.xz + a.yz * b.yz;
 }
-/// The upper part of a b^T.
+/// Upper part of a b^T.
 inline Upper3 upper_outer(const Vec3d& a, const Vec3d& b) {
   return {a.x * b.x, a.y * b.y, a.z * b.z, a.x * b.y, a.x * b.z, a.y * b.z};
 }

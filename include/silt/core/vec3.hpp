@@ -8,8 +8,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Three Cartesian components. `Real` is `double` or a SIMD batch (one lane a pair or particle).
-/// A plain aggregate: `{x, y, z}` makes one, and it is stored and loaded as three Reals.
+/// Three Cartesian components. `Real` is `double` or a SIMD batch (one lane per pair or particle).
+/// A plain aggregate, initialised by `{x, y, z}`, and stored and loaded as three Reals.
 template <class Real>
 struct Vec3 {
   Real x, y, z;
@@ -41,7 +41,7 @@ constexpr Real dot(const Vec3<Real>& a, const Vec3<Real>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-/// The cross product.
+/// Cross product.
 template <class Real>
 constexpr Vec3<Real> cross(const Vec3<Real>& a, const Vec3<Real>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -49,7 +49,7 @@ constexpr Vec3<Real> cross(const Vec3<Real>& a, const Vec3<Real>& b) {
 
 inline double norm(const Vec3d& a) { return std::sqrt(dot(a, a)); }
 
-/// The unit vector along `a`; `a` must not be zero.
+/// Unit vector along `a`; `a` must not be zero.
 inline Vec3d normalised(const Vec3d& a) { return a * (1.0 / norm(a)); }
 
 /// True if all three components are finite.
@@ -58,7 +58,7 @@ inline bool is_finite(const Vec3d& a) {
 }
 
 namespace detail {
-/// Two unit vectors across the unit vector `n` and each other.
+/// Two unit vectors normal to the unit vector `n` and to each other.
 inline std::array<Vec3d, 2> across(const Vec3d& n) {
   const Vec3d least = std::abs(n.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
   const Vec3d u = normalised(cross(n, least));

@@ -20,13 +20,13 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// In place of the number of a cell: no cell.
+/// Marks the absence of a cell.
 inline constexpr std::size_t no_cell = std::numeric_limits<std::size_t>::max();
 
-/// Cells of any mesh, numbered from 0: how many, how large, and which of them a point is in.
+/// Cells of any mesh, numbered from 0: their number, volume, and the cell that contains a point.
 ///   std::size_t cells() const
 ///   double volume(std::size_t cell) const           [m3]
-///   std::size_t locate(const Vec3d& x) const        no_cell beyond the mesh; called by several
+///   std::size_t locate(const Vec3d& x) const        no_cell outside the mesh; called by several
 ///                                                   threads at once
 template <class M>
 concept CellMesh = requires(const M& mesh, std::size_t cell, const Vec3d& x) {
@@ -35,15 +35,16 @@ concept CellMesh = requires(const M& mesh, std::size_t cell, const Vec3d& x) {
   { mesh.locate(x) } -> std::convertible_to<std::size_t>;
 };
 
-/// A CellMesh with weights w_pc >= 0 of particles on its cells, sum_c w_pc = 1, or all 0 of a
-/// particle beyond it:
-///   place(particles, team)              the weights of the particles where they are now
+/// CellMesh with weights w_pc >= 0 of particles on its cells, sum_c w_pc = 1, or all 0 for a
+/// particle outside it:
+///   place(particles, team)              computes weights at the present positions
 ///   spread(of_particles, to_cells, team)        f_c = sum_p w_pc q_p
 ///   gather(of_cells, to_particles, team)        g_p = sum_c w_pc f_c, with the same weights
-/// on flat spans of one double a particle, or a cell. As one is the other's adjoint, momentum is
-/// kept to rounding. Results are the same bits for any number of threads.
-/// PointWeights<Mesh> makes one of any CellMesh, GridSpace<Mode> of a Grid and an averaging mode.
-/// Tests: tests/coupling/cell_space.cpp.
+/// on flat spans with one double per particle or cell. As the two are adjoint, momentum is
+/// conserved to rounding. Results are equal, bit for bit, for any number of threads.
+/// PointWeights<Mesh> is a CellSpace of any CellMesh, GridSpace<Mode> of a Grid and an averaging
+/// mode.
+/// Tests:  tests/coupling/cell_space.cpp.
 template <class S>
 concept CellSpace = CellMesh<S> &&
     requires(S& space, const AveragedParticles& particles, std::span<const double> of,
@@ -53,11 +54,11 @@ concept CellSpace = CellMesh<S> &&
   space.gather(of, to, team);
 };
 
-/// Weights of particles on the cells of any mesh: each of so many points that fill a particle gives
-/// an equal part to its cell. Points beyond the mesh, of a particle whose centre is in it, give
-/// theirs to the centre's cell. For cells larger than particles.
+/// Weights of particles on the cells of any mesh: interior points of a particle, with equal
+/// weights, count in their cells. If the centre is in the mesh, points outside it count in the cell
+/// of the centre. For cells larger than particles.
 ///
-/// Errors: InputError for fewer than 1 or more than 1000 points, and for spans that do not fit.
+/// Errors: InputError for fewer than 1 or more than 1000 points, and for spans of wrong length.
 /// Tests:  tests/coupling/cell_space.cpp.
 template <CellMesh Mesh>
 class PointWeights {
@@ -132,10 +133,9 @@ class PointWeights {
   std::vector<std::vector<Share>> shares_;
 };
 
-/// The cells of a Grid with the weights of an averaging mode, for flows whose fields are flat: cell
-/// (i, j, k) has the number i + nx (j + ny k). CoupledFlow takes the mode itself, which saves the
-/// copies that are made here.
-/// `diameter` [m]: in which the mode's widths are, the largest particles'.
+/// Cells of a Grid with the weights of an averaging mode, for flows with flat fields: cell (i, j,
+/// k) has the number i + nx (j + ny k). CoupledFlow uses the mode directly, which saves copies.
+/// `diameter` [m]: unit of the mode's widths, that of the largest particles.
 template <AveragingMode Mode>
 class GridSpace {
  public:

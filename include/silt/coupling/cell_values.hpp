@@ -9,10 +9,10 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What particles ask of a flow, in its cells.
+/// Flow values in cells that are needed at particles.
 class CellValues {
  public:
-  using Three = std::vector<CellField>;  // by direction; empty if never asked for
+  using Three = std::vector<CellField>;  // by direction; empty if never needed
 
   explicit CellValues(const Grid& g) : velocity(3, CellField(g)), slope(velocity) {}
 
@@ -37,7 +37,7 @@ class CellValues {
     }
   }
 
-  /// The mean of the slopes at both faces; beside a side or a wall, of the open one alone.
+  /// Mean of the slopes at both faces; next to a side or a wall only of the open face.
   template <FlowOnGrid Flow>
   void find_slope(Flow& flow, const Team& team) {
     const Grid& g = flow.grid();
@@ -64,8 +64,8 @@ class CellValues {
     }
   }
 
-  /// div tau, the mean of both faces; beside a wall or a side that is not periodic, of the inner
-  /// face alone.
+  /// div tau, the mean of both faces; next to a wall or a side that is not periodic only of the
+  /// inner face.
   template <FlowOnGrid Flow>
   void find_stress(const Flow& flow, const Team& team) {
     const Grid& g = flow.grid();
@@ -81,7 +81,7 @@ class CellValues {
           const bool low = (place > 0 || g.periodic(d)) && open.low(i),
                      high = (place < last || g.periodic(d)) && open.high(i);
           int up[3] = {i, j, k};
-          up[d] = place == last ? 0 : place + 1;  // round, if it is periodic
+          up[d] = place == last ? 0 : place + 1;  // wraps if periodic
           const double sum = (low ? of(i, j, k) : 0) + (high ? of(up[0], up[1], up[2]) : 0);
           stress[at(d)](i, j, k) = sum / std::max(1, low + high);
         }
@@ -89,7 +89,7 @@ class CellValues {
     }
   }
 
-  /// The exchanged force on the particles as the fluid felt it [N]; `borne` null: 0.
+  /// The exchanged force on the particles as it acted on the fluid [N]; `borne` null: 0.
   template <FlowOnGrid Flow>
   Vec3d exchanged(Flow& flow, const CellField* borne) const {
     Vec3d sum{0, 0, 0};
@@ -165,7 +165,7 @@ class CellValues {
   }
 
  private:
-  /// Which of the two faces of cells of a row, in one direction, are open; `faces` null: all.
+  /// Open faces of the cells of a row, of two in one direction; `faces` null: all open.
   struct OpenEnds {
     OpenEnds(const CellField* faces, const int (&s)[3], int j, int k)
         : at_low(faces ? faces->row(j, k) : nullptr),
@@ -182,7 +182,7 @@ class CellValues {
   static void make(Three& field, const Grid& g) {
     if (field.empty()) field.assign(3, CellField(g));
   }
-  /// The next cell that way; whether there is one.
+  /// The next cell in a direction; whether there is one.
   static bool neighbour(const Grid& g, int d, int way, int i, int j, int k, int (&n)[3]) {
     n[0] = i, n[1] = j, n[2] = k;
     const int count = g.cells()[at(d)];
@@ -192,7 +192,7 @@ class CellValues {
     n[d] = (n[d] + count) % count;
     return true;
   }
-  /// Central; beside a side towards the inner cell.
+  /// Central; next to a side towards the inner cell.
   static double difference(const Grid& g, const CellField& u, int d, int i, int j, int k) {
     double value[2] = {u(i, j, k), u(i, j, k)};
     int steps = 0;

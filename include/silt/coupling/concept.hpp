@@ -24,11 +24,11 @@ namespace detail {
 struct ParticlesInFluid;
 }
 
-/// How far a fluid has come.
+/// Time of a fluid.
 struct FluidClock {
-  double time = 0;         // [s] up to which the fluid is known
+  double time = 0;         // [s] time of the fluid's state
   std::int64_t steps = 0;  // [-] of the fluid, since the start
-  double last_step = 0;    // [s] length of the last one; 0: there was none
+  double last_step = 0;    // [s] length of the last one; 0: none
 
   void count(double dt) { time += dt, ++steps, last_step = dt; }
   /// For a checkpoint: three numbers, "fluid.clock".
@@ -40,26 +40,26 @@ struct FluidClock {
   }
 };
 
-/// The scene of a simulation, as its fluid must fit it.
+/// Scene of a simulation, for checks by its fluid.
 struct FluidScene {
-  std::array<bool, 3> periodic{};  // in which directions particles repeat,
-  Box box;                         // from its min to its max
-  /// The simulation's walls, which stay where they are in memory between two calls of prepare().
+  std::array<bool, 3> periodic{};  // periodic directions of the particles,
+  Box box;                         // between its min and its max
+  /// The simulation's walls; they do not move in memory between two calls of prepare().
   const std::vector<Wall>* walls = nullptr;
 };
 
-/// What a fluid may ask about the particles before it says how long its next step is.
+/// Data about the particles for the choice of the fluid step.
 struct FluidPace {
   double step;   // [s] of the particles
   double speed;  // [m/s] of the fastest particle
-  /// [s] the largest particle step that resolves the contacts; none if their law has no closed
-  /// form. Takes a moment.
+  /// [s] largest particle step that resolves the contacts; empty if their law has no closed form.
+  /// Expensive.
   std::function<std::optional<double>()> contact_limit;
 };
 
 namespace detail {
 
-/// Says that it is a fluid.
+/// Declares itself a fluid.
 template <class F>
 concept MeantAsFluid = requires {
   { F::active } -> std::convertible_to<bool>;
@@ -95,49 +95,49 @@ concept ActiveFluid =
 
 }  // namespace detail
 
-/// The coupling of particles with a fluid: NoFluid, CoupledFlow (coupled_flow.hpp), CoupledMesh
-/// (coupled_mesh.hpp), PrescribedFlow (prescribed_flow.hpp), or a struct of one's own.
+/// Coupling of particles with a fluid: NoFluid, CoupledFlow (coupled_flow.hpp), CoupledMesh
+/// (coupled_mesh.hpp), PrescribedFlow (prescribed_flow.hpp), or a user-defined struct.
 ///
-/// It has `static constexpr bool active`. If that is false, nothing more is asked, and the time
+/// It has `static constexpr bool active`. If this is false, nothing else is required, and the time
 /// loop has no stage for a fluid. If it is true:
 ///
-///   FluidClock clock             how far the fluid has come. advance() counts its step; the
-///                                simulation sets clock.time to its own time, to the last digit
-///   void prepare(scene)          throws InputError where its settings cannot be, or where it does
-///                                not fit the scene; at the beginning of each run
-///   int steps_wanted(pace, team) const       how many particle steps its next step is to span
+///   FluidClock clock             time of the fluid. advance() counts its steps; the simulation
+///                                sets clock.time to its own time, to the last digit
+///   void prepare(scene)          throws InputError for invalid settings, or if it does not match
+///                                the scene; called at the start of each run
+///   int steps_wanted(pace, team) const       number of particle steps in its next step
 ///   void advance(particles, dt, force, team, torque)
-///                                one fluid step of dt [s]: reads CoupledParticles, sets force [N],
-///                                and torque [N m] if it turns, of each particle; these are held
-///                                until the next step. Throws Error where it cannot; FlowStepError
-///                                where a shorter step would do
-///   void for_each_state(visit)   what steps go on from, for checkpoints: visit(name, values),
-///   which
-///                                may change them; values: a span of doubles, or a std::vector
+///                                one fluid step of dt [s]: reads CoupledParticles, sets the force
+///                                [N], and with `turns` the torque [N m], of each particle; these
+///                                are constant until the next step. Throws Error on failure;
+///                                FlowStepError if a shorter step would succeed
+///   void for_each_state(visit)   state for checkpoints: visit(name, values), which may change
+///                                them; values: a span of doubles, or a std::vector
 ///
-/// Optional, found by detail::FluidTraits:
+/// Optional members, detected by detail::FluidTraits:
 ///
 ///   static constexpr bool turns       it has torques
 ///   static constexpr bool sees_forms  it reads CoupledParticles::forms of bodies
-///   void take_form(form, shape)       told each form of bodies by its number, of the type of the
-///                                     particles' shape, before the first advance() that has it
+///   void take_form(form, shape)       gets each form of bodies by number, with the type of the
+///                                     particles' shape, before the first advance() that uses it
 ///   static constexpr bool follows     drag follows each particle's velocity: FollowingFluid
 ///   Vec3d gravity                     [m/s2] set to the simulation's before each step
-///   Vec3d at_the_side(x, radius)      where a particle is for the fluid, whose centre has left it
+///   Vec3d at_the_side(x, radius)      position for the fluid of a particle with its centre outside
 ///   void check_step(span, pace)       after advance(): throws Error if the step was too long
-///   void check_state(name, values)    throws InputError for restored values that cannot be
-///   load_on_driven(w)                 its load on wall w of the scene, which is driven, and how
-///                                     stiff it is for a servo: LiquidOnWall, sph/driven_walls.hpp
+///   void check_state(name, values)    throws InputError for invalid restored values
+///   load_on_driven(w)                 its load on the driven wall w of the scene, and its
+///                                     stiffness for a servo: LiquidOnWall, sph/driven_walls.hpp
 ///   void write(path), file_kind       writes the fluid for ParaView (vtk_series); its ending
-///   void describe(is)                 is(name, value): what a checkpoint's scene must agree in
+///   void describe(is)                 is(name, value): items that the scene of a checkpoint must
+///                                     match
 ///
-/// Results must be the same bits for any number of threads.
+/// Results must be equal, bit for bit, for any number of threads.
 /// Tests: tests/coupling/own_coupling.cpp, tests/compile/refused/fluid_*.cpp.
 template <class F>
 concept FluidCoupling = detail::MeantAsFluid<F> &&(!F::active || detail::ActiveFluid<F>);
 
-/// The rows of one particle that a fluid whose drag follows it reads and changes (FluidLoads in
-/// engine/state/fluid_loads.hpp says what is in them).
+/// Rows of one particle that a fluid with following drag reads and changes (see FluidLoads in
+/// engine/state/fluid_loads.hpp).
 template <class Row>
 struct FollowedRow {
   Row& held;
@@ -147,12 +147,12 @@ struct FollowedRow {
   Row& taken;
 };
 
-/// A fluid whose drag is found anew in each particle step: `follows` is true, and it has
+/// Fluid whose drag is computed in each particle step: `follows` is true, and it has
 ///   start_of(p)                       FollowStart of particle p, after advance()
-///   lose(impulse)                     [N s] that particles which left had taken beyond their share
+///   lose(impulse)                     [N s] that removed particles had taken beyond their share
 ///   prepare_to_follow(team)           before the particles of a step
-///   follow(row, x, v, mass, contacts, dt)      the force [N] on one, and changes its FollowedRow
-/// CoupledFlow with FollowedDrag is one.
+///   follow(row, x, v, mass, contacts, dt)      force [N] on one particle; changes its FollowedRow
+/// An example is CoupledFlow with FollowedDrag.
 template <class F>
 concept FollowingFluid = FluidCoupling<F> && F::active && requires(F& fluid, const Team& team) {
   requires F::follows;
@@ -163,7 +163,7 @@ concept FollowingFluid = FluidCoupling<F> && F::active && requires(F& fluid, con
 
 namespace detail {
 
-/// The optional abilities of a fluid.
+/// Optional abilities of a fluid.
 template <class F>
 struct FluidTraits {
   static constexpr bool active = F::active;
@@ -189,7 +189,7 @@ struct FluidTraits {
   static void tell_gravity(F& fluid, const Vec3d& gravity) {
     if constexpr (requires { fluid.gravity = gravity; }) fluid.gravity = gravity;
   }
-  /// A type that must be complete only where there is a fluid.
+  /// A type that must be complete only with a fluid.
   using Particles = std::conditional_t<active, ParticlesInFluid, F>;
 };
 

@@ -25,9 +25,9 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Particles and a flow, each of which feels the other, unresolved or by two grids, a kernel or
-/// diffusion: the fluid of a Simulation, or of a loop of one's own. CoupledFlow takes its policies
-/// in any order (coupled_flow_policies.hpp), and is this type then.
+/// Two-way coupling of particles and a flow, unresolved or by two grids, a kernel or diffusion. The
+/// fluid of a Simulation, or of a user's own time loop. CoupledFlow takes its policies in any order
+/// (coupled_flow_policies.hpp) and derives from this type.
 ///
 ///   silt::FlowSolver flow(grid, air, {.model = silt::MomentumModel::A});
 ///   silt::Simulation sim{std::move(grains), silt::Contacts<silt::HertzMindlin>{glass},
@@ -35,25 +35,25 @@ namespace silt::inline SILT_TARGET {
 ///
 /// A fluid step:
 ///
-///   weights of the particles' places -> eps = 1 - sum w V/V_cell                              (1)
+///   weights at the particle positions -> eps = 1 - sum w V/V_cell                             (1)
 ///   u, eps at the particles -> K (drag law) and other forces -> c, o, q of StepResponse        (2)
 ///   fluid: sum w c, sum w o, sum w q, each over V_cell; FlowSolver::step                      (3)
 ///   particles: F = c u' - o + q (grad p' - div tau) - V (grad p' - div tau) - rho V g         (4)
 ///
 /// with the same weights in all of them; in model B without grad p and tau, with K/eps. Forces: see
-/// coupling/fluid_force.hpp. F is held over the particles' own steps until the next one. Where
-/// particles are light, or drag dies within the step, their velocities after it are part of the
-/// step's continuity ((6) of FlowSolver), as explicitly no step is stable from
-/// (1 - eps)/eps rho/rho_p = 1 on. The last term is there as p is without the fluid's weight.
-/// Particles beyond the grid feel no fluid. It is an averaging mode, which knows the cells, a
-/// ParticleExchange, which knows the particles, and a flow: FlowSolver, or any FlowOnGrid.
+/// coupling/fluid_force.hpp. F is constant over the particle steps until the next fluid step. For
+/// light particles, or drag that relaxes within the step, the velocities of particles after the
+/// step are part of its continuity equation ((6) of FlowSolver); an explicit treatment is unstable
+/// from (1 - eps)/eps rho/rho_p = 1 on. The last term of (4) adds buoyancy, as p excludes the
+/// fluid's weight. No fluid force acts outside the grid. The coupling consists of an averaging mode
+/// for the cells, a ParticleExchange for the particles, and a flow: FlowSolver, or any FlowOnGrid.
 ///
-/// Heat, of a flow that has it: ParticleHeat.
+/// Heat, for a flow with heat: ParticleHeat.
 /// Source: Z. Y. Zhou et al., J. Fluid Mech. 661 (2010) 482 (models); StepResponse.
-/// Errors: those of FlowSolver and the averaging mode; InputError for spans that do not fit.
+/// Errors: those of FlowSolver and the averaging mode; InputError for spans of wrong length.
 /// Tests:  tests/coupling/coupled_flow.cpp, simulation.cpp, light_particles.cpp,
 ///         impulsive_start.cpp.
-/// Valid:  particles that the flow does not resolve; drag laws and modes as their own blocks say.
+/// Valid:  particles that the flow does not resolve; drag laws and modes: see their own blocks.
 /// Units:  SI.
 template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
 class BasicCoupledFlow {
@@ -66,7 +66,7 @@ class BasicCoupledFlow {
                         has_added_mass = Exchange::has_added_mass;
   /// Drag follows each particle's velocity between fluid steps.
   static constexpr bool follows = Exchange::follows;
-  /// It takes CoupledParticles::heat, where the flow has heat.
+  /// Takes CoupledParticles::heat, if the flow has heat.
   static constexpr bool has_heat = requires(Flow & f) { f.heat_exchange(); };
 
   BasicCoupledFlow(const Drag& drag, const Mode& mode, Flow flow, const Forces&... forces)
@@ -83,24 +83,25 @@ class BasicCoupledFlow {
 
   Flow& flow() { return flow_; }
   const Flow& flow() const { return flow_; }
-  double least_voidage = 0.3;      // [-] of a cell; what it leaves out is counted
+  double least_voidage = 0.3;      // [-] of a cell; the clipped volume is counted
   Vec3d gravity{0, 0, 0};          // [m/s2]; a Simulation sets its own
-  std::optional<double> diameter;  // [m] in which the mode's widths are; left out: the largest
+  std::optional<double> diameter;  // [m] unit of the mode's widths; left out: the largest
 
   /// @name In a Simulation
   /// @{
-  /// Particle steps a fluid step; left out: as many as keep the flow stable (at half its limit) and
-  /// no particle crosses a fifth of a cell in, at most `most_steps`; of light ones, see HeldAnswer.
+  /// Particle steps per fluid step. Left out: as many as keep the flow stable (at half its limit)
+  /// and no particle crosses more than a fifth of a cell, at most `most_steps`; for light particles
+  /// see HeldAnswer.
   std::optional<int> steps;
   int most_steps = 50;
   FluidClock clock;
-  double time() const { return clock.time; }                // [s] up to which the flow is known
+  double time() const { return clock.time; }                // [s] time of the flow
   std::int64_t fluid_steps() const { return clock.steps; }  // [-] since the start
   const CoupledStep& last_step() const { return last_; }
   const FluidClosure& closure() const { return closure_; }
   /// @}
 
-  /// Advances the flow by dt [s]; gives the force on each particle [N], and the torque [N m] if any
+  /// Advances the flow by dt [s]; sets the force on each particle [N], and the torque [N m] if any
   /// of Forces has one.
   CoupledStep advance(const CoupledParticles& particles, double dt, std::span<Vec3d> force,
                       const Team& team = {}, std::span<Vec3d> torque = {}) {
@@ -111,7 +112,7 @@ class BasicCoupledFlow {
     exchange_.check(particles, force.size(), torque.size());
     make_averaging(particles, team);
     CoupledStep done;
-    if (!averaging_) {  // there has been no particle yet
+    if (!averaging_) {  // no particles yet
       done.flow = flow_.step(dt, team);
       return finish(done, dt);
     }
@@ -137,18 +138,18 @@ class BasicCoupledFlow {
     return finish(done, dt);
   }
 
-  /// [-] at each particle of the last step; 0 beyond the grid.
+  /// [-] at each particle of the last step; 0 outside the grid.
   std::span<const double> voidage_at_particles() const { return exchange_.at.voidage; }
   const HeldAnswer& held_answer() const { return exchange_.held_answer(); }  // of the last step
-  /// Where a particle is for the fluid: its centre, or, if that has left the grid by less than its
-  /// radius, as a contact with a wall at the side lets it, the place at the side.
+  /// Position of a particle for the fluid: its centre, or the point on the side if the centre is
+  /// outside the grid by less than the radius, as in a contact with a wall at the side.
   Vec3d at_the_side(const Vec3d& centre, double radius) const;
 
   /// @name FluidCoupling (coupling/concept.hpp)
   /// @{
   void prepare(const FluidScene& scene) const;
   int steps_wanted(const FluidPace& pace, const Team& team) const;
-  /// Refuses a number of steps that was set and is too large for light particles in contact.
+  /// Refuses a given number of steps that is too large for light particles in contact.
   void check_step([[maybe_unused]] double span, [[maybe_unused]] const FluidPace& pace) const {
     if constexpr (!follows)
       if (steps)
@@ -159,7 +160,7 @@ class BasicCoupledFlow {
   void for_each_state(const Visit& visit);
   void check_state(const std::string& name, std::span<const double> values) const;
   static constexpr const char* file_kind = ".vti";
-  /// [m] vtk_series writes pressure_with_weight too, which equals the pressure at this place.
+  /// [m] adds pressure_with_weight to vtk_series; it equals the pressure at this point.
   std::optional<Vec3d> weight_from;
   void write(const std::string& path) const {
     std::optional<FluidWeight> weight;
@@ -178,7 +179,7 @@ class BasicCoupledFlow {
   /// [N s] that particles which have left the fluid had taken beyond what it had given them.
   Vec3d lost() const { return exchange_.lost; }
   void lose(const Vec3d& impulse) { exchange_.lost += impulse; }
-  /// Renews the values of cells, if there are such, after a fluid step or a restart.
+  /// Updates the values of cells, if used, after a fluid step or a restart.
   void prepare_to_follow(const Team& team) requires follows {
     tell_settings();
     const double cell = exchange_.followed().cell;
@@ -191,7 +192,7 @@ class BasicCoupledFlow {
     held_.renew(flow_.grid(), cells_, in_pressure(), team);
     following_ = true;
   }
-  /// The force [N] on a particle at x [m], with velocity v [m/s], over its next dt [s].
+  /// Force [N] on a particle at x [m], with velocity v [m/s], over its next dt [s].
   template <class Row>
   Vec3d follow(const FollowedRow<Row>& row, const Vec3d& x, const Vec3d& v, double mass,
                const Vec3d& contacts, double dt) const requires follows {
@@ -227,7 +228,7 @@ class BasicCoupledFlow {
   void join(CellField& values) const {
     if (const auto* joined = flow_.joined_cells()) joined->average(values);
   }
-  /// Cell values at the particles: all, or those that a flow step has changed.
+  /// Cell values at the particles: all, or those changed by a flow step.
   void gather(std::size_t n, const Team& team, bool all);
   void spread_exchange(const CoupledParticles& of, double dt, const Team& team);
   void share_out(CellFields fields, const Team& team);
@@ -242,7 +243,7 @@ class BasicCoupledFlow {
   Mode mode_;
   Exchange exchange_;
   std::optional<typename Mode::Averaging> averaging_;
-  int opened_ = 0;    // which of the flow's boundaries it knows
+  int opened_ = 0;    // number of the flow's boundaries at the last opening
   CellField solids_;  // [m3]
   CellValues cells_;
   detail::HeldCells held_;

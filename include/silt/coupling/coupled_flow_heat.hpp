@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of CoupledFlow: the heat that passes between particles and cells in a fluid step.
+// Part of CoupledFlow: heat exchange between particles and cells in a fluid step.
 
 #include <silt/coupling/coupled_flow.hpp>
 
@@ -18,8 +18,8 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::spread_heat(
             "CoupledFlow: particles exchange heat, but the flow has no temperature; give it one by "
             "FlowSolver::set_heat()");
     require(flow_.heat().conductivity > 0,
-            "CoupledFlow: particles exchange heat, but FluidHeat.conductivity is 0 W/(m K), of "
-            "which no Nusselt number makes a transfer; give it the fluid's");
+            "CoupledFlow: particles exchange heat, but FluidHeat.conductivity is 0 W/(m K), and "
+            "no Nusselt number gives a heat transfer; set it to the fluid's conductivity");
     require(heat.temperature.size() == n && heat.capacity.size() == n,
             "ParticleHeat: ", heat.temperature.size(), " temperatures and ", heat.capacity.size(),
             " capacities for ", n, " velocities; give one each");

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of CoupledFlow that only a Simulation asks for: FluidCoupling.
+// Part of CoupledFlow used only by a Simulation: FluidCoupling.
 
 #include <silt/coupling/coupled_flow.hpp>
 
@@ -35,7 +35,7 @@ int BasicCoupledFlow<Flow, Drag, Mode, Forces...>::steps_wanted(const FluidPace&
   return detail::steps_in(longest, pace, most_steps);
 }
 
-/// The longest fluid step [s] for particles of that speed [m/s]; see `steps`.
+/// Longest fluid step [s] for particles of that speed [m/s]; see `steps`.
 template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
 double BasicCoupledFlow<Flow, Drag, Mode, Forces...>::longest_step(double speed,
                                                                    const Team& team) const {
@@ -74,7 +74,7 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::for_each_state(const Visit& 
   exchange_.for_each_state(visit);
 }
 
-/// What for_each_state() has restored, part by part; that all are finite is known.
+/// Checks restored values, part by part; they are known to be finite.
 template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
 void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::check_state(
     const std::string& name, std::span<const double> values) const {
@@ -90,7 +90,7 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::check_state(
   }
   if (name == "fluid.eddy" || name.starts_with("fluid.k_epsilon"))
     for (std::size_t k = 0; k < values.size(); ++k) not_negative(k);
-  // Ghosts are extrapolated; the last field is what was carried, which need not stay below 1.
+  // Ghosts are extrapolated; the last field is the carried one, which may exceed 1.
   if (!name.starts_with("fluid.voidage") || name == "fluid.voidage4") return;
   const Grid& g = flow_.grid();
   for (int k = 0; k < g.nz(); ++k)

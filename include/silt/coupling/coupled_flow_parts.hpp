@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of CoupledFlow: what passes between particles and cells in a fluid step.
+// Part of CoupledFlow: exchange between particles and cells in a fluid step.
 
 #include <silt/coupling/coupled_flow.hpp>
 
@@ -85,7 +85,7 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::spread_exchange(const Couple
   share_out(CellFields(to.data(), count), team);
 }
 
-/// What was spread over cells, as density of the fluid's part of their volume.
+/// Converts distributed sums to densities per fluid volume of the cells.
 template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
 void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::share_out(CellFields fields, const Team& team) {
   if (const auto* joined = flow_.joined_cells())

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// CoupledFlow of policies in any order, and its sentences where they do not fit together.
+// CoupledFlow with policies in any order, and its messages if they do not fit together.
 
 #include <concepts>
 #include <cstddef>
@@ -15,7 +15,7 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// Meant as a drag law of spheres: one that fails for other numbers than doubles has a sentence.
+/// Meant as a drag law of spheres; a law that compiles only for double has its own message.
 template <class L>
 concept NormalisesDoubles = requires(const L& law, const double& eps) {
   { law.normalised(eps, eps) } -> std::convertible_to<double>;
@@ -26,10 +26,11 @@ template <class L>
 concept AnyDragLaw = DragLaw<L> || OrientedDragLaw<L>;
 
 struct NotGiven {};
-struct NoFlowSolver {};  // in its place, where arguments lack it
+struct NoFlowSolver {};  // placeholder, if there is no flow
 
-/// The places of drag, mode and flow among policies in any order; all others are forces. What is a
-/// drag law alone is the drag; else the first that may be one, as SlowEllipsoid, a force too.
+/// Positions of drag, mode and flow among policies in any order; all others are forces. A type that
+/// is only a drag law is the drag; otherwise the first that may be one, as SlowEllipsoid, which is
+/// also a force.
 template <class... Policies>
 struct FluidPolicies {
   static constexpr std::size_t count = sizeof...(Policies), none = count;
@@ -52,7 +53,7 @@ struct FluidPolicies {
   using Flow = std::conditional_t < flow<none, At<flow>, FlowSolver>;
   static constexpr bool is_force(std::size_t k) { return k != drag && k != mode && k != flow; }
   static constexpr std::size_t forces = count - (drag < none) - (mode < none) - (flow < none);
-  /// The place of force number `wanted`.
+  /// Position of force number `wanted`.
   static constexpr std::size_t force(std::size_t wanted) {
     std::size_t k = 0;
     while (!is_force(k) || wanted-- > 0) ++k;
@@ -85,12 +86,12 @@ inline constexpr bool is_coupled_flow = false;
 
 }  // namespace detail
 
-/// The fluid of a Simulation: a drag law, an averaging mode, a flow (FlowSolver, or any FlowOnGrid)
-/// and further forces, in any order; what it does: BasicCoupledFlow (coupled_flow.hpp).
+/// Fluid of a Simulation: a drag law, an averaging mode, a flow (FlowSolver, or any FlowOnGrid) and
+/// further forces, in any order. Equations: BasicCoupledFlow (coupled_flow.hpp).
 ///
 ///   silt::CoupledFlow fluid{silt::Gidaspow{}, silt::Kernel{}, flow, silt::VirtualMass{}};
 ///
-/// Named as a type it may leave the FlowSolver out: CoupledFlow<Gidaspow, Kernel>.
+/// As a type, FlowSolver may be left out: CoupledFlow<Gidaspow, Kernel>.
 /// Tests: tests/coupling/simulation.cpp, tests/compile/refused/.
 template <class... Policies>
 class CoupledFlow : public detail::SortedFlow<detail::FluidPolicies<Policies...>>::Type {
@@ -106,7 +107,7 @@ class CoupledFlow : public detail::SortedFlow<detail::FluidPolicies<Policies...>
 template <class... Policies>
 inline constexpr bool detail::is_coupled_flow<CoupledFlow<Policies...>> = true;
 
-/// What does not fit together: the sentence that says why, and nothing that could fail once more.
+/// Arguments that do not fit together: gives the message, and no further errors.
 template <class... Policies>
 requires(!detail::FluidPolicies<Policies...>::fit) class CoupledFlow<Policies...> {
   using P = detail::FluidPolicies<Policies...>;
@@ -117,20 +118,22 @@ requires(!detail::FluidPolicies<Policies...>::fit) class CoupledFlow<Policies...
                 "CoupledFlow needs a drag law (silt/coupling/drag/concept.hpp, oriented.hpp)");
   static_assert(
       fits_lanes,
-      "the drag law works on double alone: make normalised(eps, Re) a template of Real, which must "
+      "the drag law compiles for double only: make normalised(eps, Re) a template of Real, which "
+      "must "
       "work for any type of number: double, float and packs of them, one lane a particle, as "
       "silt/coupling/drag/concept.hpp says");
   static_assert(has_mode,
                 "CoupledFlow needs an averaging mode: Unresolved, TwoGrid, Kernel or Diffusion "
                 "(silt/coupling/averaging/concept.hpp)");
   static_assert(has_flow, "CoupledFlow needs the flow: give one silt::FlowSolver");
-  static_assert(!(has_drag && fits_lanes && has_mode && has_flow),
-                "an argument of CoupledFlow is one too many, or nothing that it takes: that is one "
-                "drag law, one averaging mode, one flow, and forces, in any order "
-                "(silt/coupling/fluid_force.hpp)");
+  static_assert(
+      !(has_drag && fits_lanes && has_mode && has_flow),
+      "an argument of CoupledFlow is of a wrong type, or there is one too many: it takes one "
+      "drag law, one averaging mode, one flow, and forces, in any order "
+      "(silt/coupling/fluid_force.hpp)");
 
  public:
-  static constexpr bool active = false;  // so that a Simulation does not fail with it
+  static constexpr bool active = false;  // avoids further errors in Simulation
   template <class... Args>
   explicit CoupledFlow(Args&&...) {}
 };

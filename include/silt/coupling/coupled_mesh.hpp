@@ -17,25 +17,24 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What particles do to the fluid of each cell in its coming step: f = push - drag u' [N/m3], with
-/// u' its velocity at the step's end.
+/// Action of particles on the fluid of each cell in its coming step: f = push - drag u' [N/m3], u'
+/// its velocity at the end of the step.
 struct CellLoads {
-  std::span<const double> voidage;              // [-] at the step's end
+  std::span<const double> voidage;              // [-] at the end of the step
   std::span<const double> drag;                 // [kg/(m3 s)]
   std::array<std::span<const double>, 3> push;  // [N/m3] by direction
 };
 
-/// A flow on the cells of a mesh of one's own:
+/// Flow on the cells of a user-defined mesh:
 ///   FluidProperties fluid() const
-///   std::span<const double> velocity(int d) const     [m/s] between the particles, one a cell
+///   std::span<const double> velocity(int d) const     [m/s] interstitial, one per cell
 ///   std::span<const double> slope(int d) const        [Pa/m] grad p - div tau, without the fluid's
 ///                                                     weight; each may be empty: 0 everywhere
-///   void step(const CellLoads&, double dt)            one step [s] with -eps (grad p - div tau) +
-///   f
-///                                                     as the force on it; throws Error
+///   void step(const CellLoads&, double dt)            one step [s] with the force
+///                                                     -eps (grad p - div tau) + f; throws Error
 ///   double stable_step(double speed) const            [s] longest step, with particles of that
 ///                                                     speed [m/s]
-///   void for_each_state(visit)                        as FluidCoupling's
+///   void for_each_state(visit)                        as FluidCoupling
 template <class F>
 concept MeshFlow = requires(F& flow, const F& seen, const CellLoads& loads, double x, int d) {
   { seen.fluid() } -> std::convertible_to<FluidProperties>;
@@ -46,12 +45,12 @@ concept MeshFlow = requires(F& flow, const F& seen, const CellLoads& loads, doub
   flow.for_each_state(detail::AnyVisitor{});
 };
 
-/// Particles and a flow on any mesh, each of which feels the other: the fluid of a Simulation.
+/// Two-way coupling of particles and a flow on any mesh: the fluid of a Simulation.
 ///
 ///   silt::CoupledMesh fluid{silt::PointWeights{slabs}, gas, silt::Ergun{}};
 ///
 /// As CoupledFlow (1) to (4), in momentum model A. The particles' part of the pressure is that of
-/// the step before, so that particles must be heavier than (1 - eps)/eps of the fluid.
+/// the previous step; therefore particles must be heavier than (1 - eps)/eps of the fluid.
 ///
 /// Errors: InputError for settings; Error, with a sentence, for particles that are too light.
 /// Tests:  tests/coupling/coupled_mesh.cpp; docs/code/own_mesh.cpp.
@@ -62,9 +61,10 @@ template <CellSpace Space, MeshFlow Flow, class Drag, class... Forces>
 class CoupledMesh {
   using Exchange = ParticleExchange<Drag, Forces...>;
   using Column = std::vector<double>;
-  static_assert(!Exchange::follows && !Exchange::needs_curl && !Exchange::has_added_mass,
-                "CoupledMesh knows no derivatives of the velocity, and holds forces over its step: "
-                "leave lift, virtual mass, histories and FollowedDrag out");
+  static_assert(
+      !Exchange::follows && !Exchange::needs_curl && !Exchange::has_added_mass,
+      "CoupledMesh has no derivatives of the velocity, and forces are constant over its step: "
+      "leave lift, virtual mass, histories and FollowedDrag out");
 
  public:
   static constexpr bool active = true, turns = Exchange::turns, sees_forms = Exchange::sees_forms;
@@ -76,9 +76,9 @@ class CoupledMesh {
   const Flow& flow() const { return flow_; }
   const Space& space() const { return space_; }
   Vec3d gravity{0, 0, 0};      // [m/s2]; a Simulation sets its own
-  double least_voidage = 0.3;  // [-] of a cell; what it leaves out is counted
-  std::optional<int> steps;    // of particles a fluid step; left out: as many as Flow::stable_step
-  int most_steps = 50;         // has room for, at most so many
+  double least_voidage = 0.3;  // [-] of a cell; the clipped volume is counted
+  std::optional<int> steps;    // particle steps per fluid step; left out: by Flow::stable_step
+  int most_steps = 50;         // upper limit
   FluidClock clock;
   const CoupledStep& last_step() const { return last_; }
   const FluidClosure& closure() const { return closure_; }
@@ -113,7 +113,7 @@ class CoupledMesh {
       throw Error(
           text("CoupledMesh: particles are so light, or cells so full, that the fluid's "
                "answer to them grows ",
-               exchange_.gain(), " times a step; take CoupledFlow, which solves for both"));
+               exchange_.gain(), " times a step; use CoupledFlow, which solves for both"));
     exchange_.give(of, dt, false);
     spread_exchange(team);
     flow_.step({eps_, drag_, {push_[0], push_[1], push_[2]}}, dt);
@@ -152,7 +152,7 @@ class CoupledMesh {
     if (done.solids > 0 && done.averaging.outside == 0)
       done.volume_error = spread / done.solids - 1;
   }
-  /// The flow's velocity and slope at the particles.
+  /// Velocity and slope of the flow at the particles.
   void gather(std::size_t n, const Team& team) {
     const auto take = [&](std::span<const double> of, ParticleColumn& to) {
       to.assign(n, 0);
@@ -162,7 +162,7 @@ class CoupledMesh {
       const auto k = static_cast<std::size_t>(d);
       take(flow_.velocity(d), exchange_.at.velocity[k]);
       take(flow_.slope(d), exchange_.at.slope[k]);
-      exchange_.at.stress[k].assign(n, 0);  // part of the slope
+      exchange_.at.stress[k].assign(n, 0);  // included in the slope
     }
   }
   void spread_exchange(const Team& team) {
@@ -173,7 +173,7 @@ class CoupledMesh {
     spread(exchange_.given.coefficient, drag_);
     for (std::size_t d = 0; d < 3; ++d) spread(exchange_.given.offset[d], push_[d]);
   }
-  /// [N] what the flow has felt, as a force on the particles.
+  /// [N] force taken from the flow, as a force on the particles.
   Vec3d taken_from_fluid() const {
     const auto of = [&](int d) {
       const std::span<const double> u = flow_.velocity(d);

@@ -9,29 +9,29 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What a coupling step did.
+/// Results of a coupling step.
 struct CoupledStep {
   FlowStep flow;
   AveragingReport averaging;
   double solids = 0;        // [m3] the particles' volume
-  double clipped = 0;       // [m3] of it, what the least voidage leaves no room for
-  double volume_error = 0;  // [-] solids in cells over the particles' volume, less 1
-  /// [N] Forces on particles and on the fluid: their sum, 0 but for rounding.
+  double clipped = 0;       // [m3] of it, clipped at the minimum void fraction
+  double volume_error = 0;  // [-] solids in cells over the particles' volume, minus 1
+  /// [N] sum of the forces on particles and on the fluid: 0 to rounding.
   Vec3d momentum_error{};
-  double exchanged =
-      0;                // [N] magnitudes of the forces on particles that the fluid has back, summed
-  Vec3d owed{0, 0, 0};  // [N s] that particles had taken beyond what the fluid gave: given now
-  double heat = 0;      // [J] that the fluid has given to particles
-  double heat_terms = 0;  // [J] b T dt of all particles: what heat is the small difference of
-  double heat_error = 0;  // [J] heat on both sides: the sum, 0 but for rounding
+  double exchanged = 0;   // [N] magnitudes of the forces on particles with a reaction on the fluid,
+                          // summed
+  Vec3d owed{0, 0, 0};    // [N s] momentum taken by particles earlier, given by the fluid now
+  double heat = 0;        // [J] from the fluid to particles
+  double heat_terms = 0;  // [J] b T dt of all particles; heat is a small difference of such terms
+  double heat_error = 0;  // [J] sum of the heat on both sides: 0 to rounding
 };
 
-/// How well the books of fluid and particles close: the largest of all steps since a program began.
+/// Closure errors of fluid and particles: largest of all steps since the program started.
 struct FluidClosure {
-  double volume = 0;      // [-] solids in cells over the particles' volume, less 1
-  double continuity = 0;  // [-] of a cell's volume, root of the mean square: FlowStep::unbalanced
-  double momentum = 0;    // [-] forces on particles and fluid: |sum| over what they exchange
-  double clipped = 0;     // [-] of the solids: what the least voidage leaves no room for
+  double volume = 0;      // [-] solids in cells over the particles' volume, minus 1
+  double continuity = 0;  // [-] of a cell's volume, root mean square: FlowStep::unbalanced
+  double momentum = 0;    // [-] forces on particles and fluid: |sum| over the exchange
+  double clipped = 0;     // [-] share of the solids clipped at the minimum void fraction
   double heat = 0;        // [-] heat on both sides: |sum| over CoupledStep::heat_terms
 
   void add(const CoupledStep& done) {

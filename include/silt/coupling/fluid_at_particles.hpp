@@ -10,7 +10,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Numbers of particles, one each; of vectors by direction.
+/// One number per particle; vectors: one column per direction.
 using ParticleColumn = std::vector<double>;
 /// Vectors of particles, a column for each direction.
 using ParticleColumns = std::array<ParticleColumn, 3>;
@@ -23,25 +23,26 @@ inline void resize(ParticleColumns& columns, std::size_t n) {
   for (ParticleColumn& c : columns) c.resize(n);
 }
 
-/// What a ParticleExchange must know of the fluid as a whole.
+/// Settings of a ParticleExchange for the whole fluid.
 struct ExchangeSettings {
   FluidProperties fluid;
   MomentumModel model = MomentumModel::A;
   Vec3d gravity{0, 0, 0};      // [m/s2]
-  double least_voidage = 0.3;  // [-] below which drag is that of this voidage
+  double least_voidage = 0.3;  // [-] lower limit of the void fraction in drag laws
 };
 
-/// The fluid at the particles' places.
+/// The fluid at the positions of the particles.
 struct FluidAtParticles {
-  ParticleColumn voidage;           // [-] 0: there is no fluid
+  ParticleColumn voidage;           // [-] 0: no fluid
   ParticleColumns velocity;         // [m/s]
   ParticleColumns slope, stress;    // [Pa/m] grad p, [N/m3] div tau: of model A
-  ParticleColumns curl;             // [1/s] of the velocity; where a force needs it
+  ParticleColumns curl;             // [1/s] of the velocity; if a force needs it
   ParticleColumns stretch, strain;  // [1/s] xx, yy, zz and yz, zx, xy; likewise
   ParticleColumns convection;       // [m/s2] u grad u; with an added mass
 };
 
-/// What particles give the fluid in its step, to be spread over its cells: see StepResponse.
+/// Contributions of particles to the fluid in its step, to be distributed over its cells: see
+/// StepResponse.
 struct GivenToFluid {
   ParticleColumn coefficient;                // [kg/s] c
   ParticleColumns offset;                    // [N] o
@@ -50,18 +51,19 @@ struct GivenToFluid {
   ParticleColumns flux;                      // V (v0 + b div tau), likewise
 };
 
-/// What ParticleExchange::take() has found.
+/// Results of ParticleExchange::take().
 struct Exchanged {
-  Vec3d on_particles{0, 0, 0};  // [N] forces that the fluid has back, summed
+  Vec3d on_particles{0, 0, 0};  // [N] forces with a reaction on the fluid, summed
   double magnitudes = 0;        // [N] of these forces, summed
-  Vec3d owed{0, 0, 0};          // [N s] that particles had taken beyond what the fluid gave
+  Vec3d owed{0, 0, 0};          // [N s] momentum that particles took beyond what the fluid gave
 };
 
-/// What a particle feels until the next fluid step, where drag follows its velocity.
+/// Data of a particle until the next fluid step, if drag follows its velocity.
 struct FollowStart {
   Vec3d velocity{0, 0, 0};  // [m/s] of the fluid
-  Vec3d drag{0, 0, 0};      // [N] that the fluid has given
-  Vec3d push{0, 0, 0};  // [N] all else, but for pressure and stress if those are read from cells
+  Vec3d drag{0, 0, 0};      // [N] given by the fluid
+  Vec3d push{0, 0, 0};  // [N] all other forces, without pressure and stress if these are read from
+                        // cells
   double voidage = 0;   // [-] 0: no fluid
 };
 

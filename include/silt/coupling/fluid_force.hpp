@@ -15,32 +15,32 @@ namespace silt::inline SILT_TARGET {
 
 struct FormInFlow;  // coupling/drag/form_in_flow.hpp
 
-/// A particle in the fluid as the forces of a CoupledFlow see it, at the start of a fluid step.
+/// A particle in the fluid as input of the forces of a CoupledFlow, at the start of a fluid step.
 struct InFluid {
   double density, viscosity;  // [kg/m3], [Pa s] of the fluid
   double voidage;             // [-] at the particle
   double diameter;            // [m] of the sphere of equal volume
   double volume, mass;        // [m3], [kg]; infinite: fixed
   double dt;                  // [s] the fluid step
-  Vec3d slip;                 // [m/s] fluid's velocity less the particle's
-  Vec3d curl;                 // [1/s] of the fluid's velocity; where a force needs it
+  Vec3d slip;                 // [m/s] fluid's velocity minus the particle's
+  Vec3d curl;                 // [1/s] of the fluid's velocity; if a force needs it
   Vec3d angular_velocity;     // [rad/s] of the particle
   Quaternion orientation;     // principal axes to space, and
-  std::uint32_t form;         // number of the form: of bodies
-  const FormInFlow* body;     // what the flow sees of that form; null: of spheres
-  /// [1/s] rates of strain xx, yy, zz and yz, zx, xy (half of the sums) where a force needs them
+  std::uint32_t form;         // number of the form: for bodies
+  const FormInFlow* body;     // shape of that form; null for spheres
+  /// [1/s] rates of strain xx, yy, zz and yz, zx, xy (half of the sums) if a force needs them
   Vec3d stretch, strain;
-  std::size_t place;            // among the particles of this step
+  std::size_t place;            // index among the particles of this step
   double inertia_factor = 0.4;  // [-] I/(m r^2), of spheres
 };
 
-/// What a fluid does to a particle besides drag, pressure and viscous stress: a struct with one of
+/// Fluid force on a particle in addition to drag, pressure and viscous stress: a struct with one of
 ///   Vec3d force_on(const InFluid&) const        [N]
 ///   Vec3d torque_on(const InFluid&) const       [N m]
-///   double added_mass(const InFluid&) const     [kg] that is accelerated with the particle
-/// and `static constexpr bool needs_curl = true` if it reads that, or needs_strain, which has the
-/// curl too, or sees_forms. The fluid gets the opposite of forces in the same step. Or
-/// FollowedDrag, which says how drag is held (followed_drag.hpp).
+///   double added_mass(const InFluid&) const     [kg] accelerated with the particle
+/// and optionally `static constexpr bool needs_curl = true`, needs_strain (which includes the
+/// curl), or sees_forms. The reaction acts on the fluid in the same step. FollowedDrag, which
+/// changes the integration of drag, is given in the same place (followed_drag.hpp).
 template <class F>
 concept FluidForce = requires(const F& f, const InFluid& at) {
   { f.force_on(at) } -> std::same_as<Vec3d>;
@@ -53,7 +53,7 @@ concept FluidForce = requires(const F& f, const InFluid& at) {
 }
 || F::follows_velocity;
 
-/// Lift in a shear (SaffmanMei).
+/// Lift in a shear flow (SaffmanMei).
 /// Source: as SaffmanMei (coupling/lift/saffman_mei.hpp).
 /// Valid:  as SaffmanMei.
 /// Units:  SI.
@@ -66,7 +66,7 @@ struct ShearLift {
   }
 };
 
-/// Lift by spin (OesterleBuiDinh).
+/// Lift by rotation, Magnus (OesterleBuiDinh).
 /// Source: as OesterleBuiDinh (coupling/lift/magnus.hpp).
 /// Valid:  as OesterleBuiDinh.
 /// Units:  SI.
@@ -80,9 +80,9 @@ struct SpinLift {
   }
 };
 
-/// The fluid's torque against relative spin (rotational_torque), integrated exactly over the step
-/// with its coefficient held: T = (I/dt)(1 - exp(-C dt/I)) Omega with C Omega the torque now. It
-/// limits no step.
+/// Torque of the fluid against relative rotation (rotational_torque), integrated exactly over the
+/// step with a constant coefficient: T = (I/dt)(1 - exp(-C dt/I)) Omega, with C Omega the present
+/// torque. It does not limit the step.
 /// Source: as rotational_torque() (coupling/lift/magnus.hpp).
 /// Valid:  as OesterleBuiDinh.
 /// Units:  SI.
@@ -101,11 +101,12 @@ struct SpinTorque {
   }
 };
 
-/// Virtual mass, F = C rho V (Du/Dt - dv/dt), with dv/dt from all that acts, this force included,
-/// and Du/Dt of the same step: stable for light particles, and exact where a flow starts suddenly.
-/// Not with FollowedDrag, which knows no mass but the particle's: that does not compile.
+/// Virtual mass, F = C rho V (Du/Dt - dv/dt), with dv/dt from all forces including this one, and
+/// Du/Dt of the same step: stable for light particles, and exact where a flow starts suddenly. It
+/// cannot be combined with FollowedDrag, which integrates with the mass of the particle only; this
+/// does not compile.
 /// Source: unsteady/forces.hpp.
-/// Valid:  spheres, `coefficient` 0.5; other bodies with one of theirs.
+/// Valid:  spheres, `coefficient` 0.5; other bodies with their own value.
 /// Units:  SI.
 /// Errors: does not compile with FollowedDrag.
 /// Tests:  tests/coupling/simulation.cpp, tests/coupling/impulsive_start.cpp.

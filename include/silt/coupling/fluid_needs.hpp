@@ -11,7 +11,7 @@
 #include <silt/coupling/drag/oriented.hpp>
 #include <silt/coupling/particles_in_fluid.hpp>
 
-/// What the drag law and the forces of a CoupledFlow ask for, and are told.
+/// Requirements of the drag law and the forces of a CoupledFlow.
 namespace silt::inline SILT_TARGET::detail {
 
 template <class F>
@@ -36,12 +36,12 @@ double drag_on(const Drag& drag, const InFluid& at, double Re) {
     return drag_coefficient(drag, at.voidage, Re, at.diameter, at.viscosity);
 }
 
-/// Forms that a law or a force was not made for are refused by it.
+/// Lets a law or a force refuse forms outside its range.
 template <class Drag, class Forces>
 void check_forms(const CoupledParticles& of, const Drag& drag, const Forces& forces) {
   for (const std::uint32_t form : of.shape.form)
-    require(form < of.forms.size(), "CoupledParticles: form ", form, " of a body, but forms of ",
-            of.forms.size(), "; give a FormInFlow of each (form_in_flow)");
+    require(form < of.forms.size(), "CoupledParticles: form ", form, " of a body, but there are ",
+            of.forms.size(), " forms; give a FormInFlow for each (form_in_flow)");
   const auto ask = [&](const auto& one) {
     if constexpr (requires { one.check_form(nullptr); }) {
       if (of.forms.empty()) one.check_form(nullptr);

@@ -8,11 +8,10 @@
 #include <silt/core/error.hpp>
 #include <silt/coupling/drag/ergun.hpp>
 
-/// Closed forms of beds and single particles in a fluid, for any drag law.
+/// Closed formulas for beds and single particles in a fluid, for any drag law.
 ///
 /// Symbols: d [m] diameter, rho_p and rho [kg/m3] of particle and fluid, mu [Pa s], g [m/s2]
-/// gravity,
-///          eps [-] fluid fraction, U [m/s] superficial velocity: volume flow per total area.
+/// gravity, eps [-] fluid fraction, U [m/s] superficial velocity: volume flow per total area.
 /// Units:   SI.
 /// Errors:  InputError naming the argument, its value, unit and range.
 /// Tests:   tests/coupling/formulas.cpp.
@@ -38,10 +37,10 @@ inline double archimedes_number(double d, double rho_p, double rho, double mu, d
   return g * d * d * d * rho * std::abs(rho_p - rho) / (mu * mu);
 }
 
-/// Re = rho U d/mu [-] at which drag and pressure carry the weight less the buoyancy:
+/// Re = rho U d/mu [-] at which drag and pressure balance weight minus buoyancy:
 ///   18 Re Fhat(eps, Re) = eps Ar
-/// That is F_d/eps = V |rho_p - rho| g with Fhat of drag/concept.hpp. To the last digits; the
-/// smallest Re where the force reaches it, if the law jumps over it.
+/// That is F_d/eps = V |rho_p - rho| g with Fhat of drag/concept.hpp. Accurate to the last digits;
+/// the smallest Re where the force is reached, if the law jumps over it.
 template <class Law>
 double balance_reynolds(const Law& law, double eps, double Ar) {
   detail::check_fluid_fraction("balance_reynolds", eps);
@@ -62,7 +61,7 @@ double balance_reynolds(const Law& law, double eps, double Ar) {
   return high;
 }
 
-/// Speed [m/s] at which a single sphere falls, or rises where it is the lighter one.
+/// Terminal velocity [m/s] of a single sphere, downwards, or upwards if it is lighter.
 template <class Law>
 double terminal_velocity(const Law& law, double d, double rho_p, double rho, double mu,
                          double g = 9.81) {
@@ -71,7 +70,7 @@ double terminal_velocity(const Law& law, double d, double rho_p, double rho, dou
 }
 
 /// Superficial velocity [m/s] that just carries a bed of fluid fraction eps. It is also the flux
-/// eps |W| of a suspension that settles.
+/// eps |W| of a settling suspension.
 template <class Law>
 double minimum_fluidisation_velocity(const Law& law, double eps, double d, double rho_p, double rho,
                                      double mu, double g = 9.81) {
@@ -79,7 +78,7 @@ double minimum_fluidisation_velocity(const Law& law, double eps, double d, doubl
   return balance_reynolds(law, eps, archimedes_number(d, rho_p, rho, mu, g)) * mu / (rho * d);
 }
 
-/// The same by Ergun's law in closed form: the root of A Re^2 + B Re = Ar with
+/// The same with Ergun's law in closed form: the root of A Re^2 + B Re = Ar with
 ///   A = 1.75/eps^3, B = 150 (1 - eps)/eps^3; eps = 0.4: 27.34 Re^2 + 1406.25 Re = Ar
 inline double ergun_fluidisation_reynolds(double eps, double Ar) {
   detail::check_fluid_fraction("ergun_fluidisation_reynolds", eps);
@@ -89,8 +88,8 @@ inline double ergun_fluidisation_reynolds(double eps, double Ar) {
   return Ar == 0 ? 0 : 2 * Ar / (B + root);
 }
 
-/// Pressure gradient [Pa/m] of a bed through which the fluid flows with U, beyond the hydrostatic
-/// one: number of particles times F_d/eps,
+/// Pressure gradient [Pa/m] of a bed with the superficial velocity U, without the hydrostatic one:
+/// number of particles times F_d/eps,
 ///   18 mu (1 - eps) U Fhat(eps, rho U d/mu)/(eps d^2)
 template <class Law>
 double bed_pressure_gradient(const Law& law, double eps, double d, double rho, double mu,

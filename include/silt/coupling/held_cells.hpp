@@ -11,14 +11,14 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What particles in a cell feel.
+/// Values for the particles in a cell.
 struct HeldValues {
   Vec3d velocity{0, 0, 0};  // [m/s]
   Vec3d push{0, 0, 0};      // [N/m3] pressure and viscous stress
 };
 
-/// Values of a flow, held on cells of another size over its box: the mean over points in each, no
-/// farther apart than the flow's own cells, linear between those.
+/// Values of a flow, stored on cells of another size over its box: the mean over points in each
+/// cell, no farther apart than the flow's own cells, linear between those.
 class HeldCells {
  public:
   void make(const Grid& g, double size) {

@@ -23,23 +23,23 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What particles and a fluid exchange in one fluid step. It knows the fluid at the particles'
-/// places alone, no mesh: the part of CoupledFlow, CoupledMesh and PrescribedFlow that they share.
+/// Exchange of particles with a fluid in one fluid step. It uses only the fluid at the particles'
+/// positions, and no mesh: the common part of CoupledFlow, CoupledMesh and PrescribedFlow.
 ///
 ///   exchange.settings = {...};                     density, viscosity, momentum model, gravity
-///   ... exchange.at.velocity[d][p] = ...           the fluid at particle p, of the step's start
+///   ... exchange.at.velocity[d][p] = ...           the fluid at particle p, at the step's start
 ///   exchange.find(particles, dt, torque, team);    K, forces -> c, o, q of StepResponse      (1)
-///   exchange.give(particles, dt, true);            -> exchange.given, to be spread over cells (2)
-///   ... the fluid's step; exchange.at.velocity, slope, stress: those of its end
+///   exchange.give(particles, dt, true);            -> exchange.given, to distribute over cells (2)
+///   ... the fluid's step; exchange.at.velocity, slope, stress: at its end
 ///   exchange.take(particles, dt, force);           F = c u' - o + q grad p' - V grad p' ...   (3)
 ///
-/// With the weights of (2) and of the velocities of (3) each other's adjoint, the fluid is given
-/// the opposite of what particles get, to rounding. Forces: coupling/fluid_force.hpp.
+/// If the weights of (2) and of the velocities in (3) are adjoint, the force on the fluid is
+/// opposite to that on the particles, to rounding. Forces: coupling/fluid_force.hpp.
 ///
 /// Source: Z. Y. Zhou et al., J. Fluid Mech. 661 (2010) 482 (models); StepResponse.
-/// Units:  SI. A particle whose voidage is 0 is outside of the fluid and feels nothing.
-/// Errors: InputError for spans that do not fit; at compile time for forces and drag laws that
-///         cannot be together.
+/// Units:  SI. A particle whose void fraction is 0 is outside the fluid; no force acts on it.
+/// Errors: InputError for spans of wrong length; forces and drag laws that cannot be combined do
+///         not compile.
 /// Tests:  tests/coupling/particle_exchange.cpp.
 template <class Drag, class... Forces>
 class ParticleExchange {
@@ -74,47 +74,47 @@ class ParticleExchange {
   static constexpr int times_given = (0 + ... + std::is_same_v<Forces, Force>);
   static_assert(((times_given<Forces> == 1) && ...), "CoupledFlow: give each force once");
   static_assert(!(follows && has_added_mass),
-                "FollowedDrag does not know a virtual mass: leave one of them out");
+                "FollowedDrag does not support a virtual mass: leave out one of them");
   static_assert(OrientedDragLaw<Drag> || detail::drag_fits_lanes<Drag>(),
-                "the drag law works on double and float, but not on a pack of lanes: make "
+                "the drag law compiles for double and float, but not for a pack of lanes: make "
                 "normalised(eps, Re) a template of Real, as silt/coupling/drag/concept.hpp says");
   static_assert(
       !(follows && OrientedDragLaw<Drag>),
-      "FollowedDrag does not know how bodies lie: take a drag law of spheres, or leave it "
+      "FollowedDrag does not support oriented bodies: use a drag law of spheres, or leave it "
       "out");
 
   explicit ParticleExchange(const Drag& drag, const Forces&... forces)
       : drag_(drag), forces_(forces...) {}
 
   ExchangeSettings settings;
-  FluidAtParticles at;  // to be filled before find(), and again before take()
+  FluidAtParticles at;  // to be set before find(), and again before take()
   GivenToFluid given;   // of give()
 
-  /// Refuses spans that do not fit to each other. `forces`, `torques`: how many there is room for.
+  /// Refuses spans of wrong length. `forces`, `torques`: their lengths.
   void check(const CoupledParticles& of, std::size_t forces, std::size_t torques) const;
 
-  /// (1): how each particle will answer to the step; and the torques, if there is room for them.
+  /// (1): response of each particle to the step; and the torques, if `torques` is not empty.
   void find(const CoupledParticles& of, double dt, std::span<Vec3d> torque, const Team& team);
-  /// Whether particles move so much with a change of the coming step's flow that its continuity
-  /// must know: explicitly such a step is not stable.
+  /// Whether particles respond so strongly to the flow of the coming step that its continuity
+  /// equation must include them: an explicit step would be unstable.
   bool moves() const { return moves_; }
-  /// [-] By how much the fluid's velocity changes for a change of the particles' in the step
-  /// before, at most of any particle, where give() is not implicit: from 1 on no step is stable.
+  /// [-] Change of the fluid's velocity per change of the particles' in the previous step, largest
+  /// of any particle, if give() is not implicit: from 1 on every step is unstable.
   double gain() const { return gain_; }
-  /// Whether the pressure of the coming step, which particles leave to the fluid, matters.
+  /// Whether the pressure of the coming step that particles leave to the fluid is important.
   bool bears() const { return bears_; }
-  /// (2). `implicit`: the fluid's step takes what moves() and bears() say; if not, the particles'
-  /// part of the pressure is that of the step's start.
+  /// (2). `implicit`: the fluid's step uses moves() and bears(); otherwise the particles' part of
+  /// the pressure is that of the step's start.
   void give(const CoupledParticles& of, double dt, bool implicit);
-  /// (3), with `at` of the step's end.
+  /// (3), with `at` at the end of the step.
   Exchanged take(const CoupledParticles& of, double dt, std::span<Vec3d> force);
 
-  /// At most of any particle in the last step.
+  /// Largest of any particle in the last step.
   const HeldAnswer& held_answer() const { return held_answer_; }
   void restore_held(double in_contact) { held_answer_.in_contact = in_contact; }
-  /// The velocity of a particle at the step's end, if nothing else acts: (3) of StepResponse.
+  /// Velocity of a particle at the end of the step, if no other force acts: (3) of StepResponse.
   const StepResponse& response(std::size_t p) const { return response_[p]; }
-  /// Of no fluid.
+  /// Outside the fluid.
   bool is_outside(std::size_t p) const { return at.voidage[p] == 0; }
   bool in_pressure() const { return settings.model == MomentumModel::A; }
 
@@ -124,25 +124,25 @@ class ParticleExchange {
   const FollowStart& start_of(std::size_t p) const requires follows { return start_[p]; }
   /// [N s] that particles which have left the fluid had taken beyond what it had given them.
   Vec3d lost{0, 0, 0};
-  /// The force [N] on the particle of `row` with velocity v [m/s] over its next dt [s], in a fluid
-  /// of velocity u [m/s] that also pushes with `read` [N].
+  /// Force [N] on the particle of `row` with velocity v [m/s] over its next dt [s], in a fluid of
+  /// velocity u [m/s] with the additional force `read` [N].
   template <class Row>
   Vec3d follow(const FollowedRow<Row>& row, const Vec3d& u, const Vec3d& read, const Vec3d& v,
                double mass, const Vec3d& contacts, double dt) const;
   /// @}
 
-  /// What forces remember of particles, for a checkpoint.
+  /// State of forces with a history, for a checkpoint.
   template <class Visit>
   void for_each_state(const Visit& visit) {
     if constexpr (has_history) detail::visit_histories(forces_, visit);
   }
 
  private:
-  /// Where the particles' answer to a step's pressure and velocity is less than this share of what
-  /// asks for it, continuity may know of it a step late.
+  /// If the particles' response to a step's pressure and velocity is below this share of its cause,
+  /// continuity may include it one step later.
   static constexpr double most_lagged_gain = 0.1;  // [-]
-  /// Where q of (3) is less than this share of a particle's volume, it goes with the pressure of
-  /// the step before: a sum less to spread over cells, for grains in gas.
+  /// If q of (3) is below this share of a particle's volume, the pressure of the previous step is
+  /// used: this saves a sum over cells for particles in gas.
   static constexpr double most_lagged_share = 0.02;  // [-]
   static constexpr double stiff_drag = 0.2;          // [-] of a step over the relaxation time
 
@@ -150,7 +150,7 @@ class ParticleExchange {
   Vec3d slope(std::size_t p) const {
     return in_pressure() ? vector_of(at.slope, p) - vector_of(at.stress, p) : Vec3d{0, 0, 0};
   }
-  /// Of pressure, viscous stress and the fluid's weight [N].
+  /// Force of pressure, viscous stress and the fluid's weight [N].
   Vec3d static_force(double volume, std::size_t p) const {
     Vec3d push = -settings.fluid.density * settings.gravity;
     if (in_pressure()) push += vector_of(at.stress, p) - vector_of(at.slope, p);

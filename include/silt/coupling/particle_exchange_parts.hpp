@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of ParticleExchange: what each of its stages does with a particle.
+// Part of ParticleExchange: its stages for one particle.
 
 #include <silt/coupling/particle_exchange.hpp>
 
@@ -28,7 +28,7 @@ void ParticleExchange<Drag, Forces...>::check(const CoupledParticles& of, std::s
           "CoupledFlow.least_voidage = ", settings.least_voidage, " must be in (0, 1)");
 }
 
-/// Forces with a history learn of the slips of now.
+/// Passes the present slips to forces with a history.
 template <class Drag, class... Forces>
 void ParticleExchange<Drag, Forces...>::remember([[maybe_unused]] const CoupledParticles& of,
                                                  [[maybe_unused]] double dt,
@@ -123,8 +123,8 @@ StepResponse ParticleExchange<Drag, Forces...>::response_of(const CoupledParticl
   loads.others = (-here.volume * settings.fluid.density) * settings.gravity;
   if (!of.acceleration.empty()) loads.others += here.mass * of.acceleration[p];
   StepResponse response = step_response(loads);
-  // A drag that dies within the step is that of the mean of both slips: with that of the first one
-  // a drag ~ slip^2 never comes to rest, slip and (terminal velocity)^2/slip by turns.
+  // Drag that relaxes within the step is evaluated at the mean of both slips. With that at the
+  // start a drag ~ slip^2 would alternate between slip and (terminal velocity)^2/slip.
   if (here.dt * loads.drag > stiff_drag * (loads.mass + loads.added)) {
     const double last = norm(loads.fluid - response.velocity(loads.fluid, slope(p)));
     loads.drag = coefficient(here, 0.5 * (norm(here.slip) + last));
@@ -224,9 +224,9 @@ void ParticleExchange<Drag, Forces...>::start_following(const CoupledParticles& 
                                                         const Vec3d& exchanged, double dt,
                                                         Exchanged& done) {
   const double V = of.volume[p];
-  const Vec3d others = others_[p];  // lift, and so on
+  const Vec3d others = others_[p];  // lift and so on
   const Vec3d weight = -V * settings.fluid.density * settings.gravity, all = static_force(V, p);
-  const bool from_cells = followed().cell > 0;  // then pressure is part of what is exchanged
+  const bool from_cells = followed().cell > 0;  // then pressure is part of the exchange
   start_[p] = {vector_of(at.velocity, p),
                exchanged - others + (from_cells ? all - weight : Vec3d{0, 0, 0}),
                others + (from_cells ? weight : all), voidage(p)};

@@ -15,34 +15,33 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The drag coefficient of a particle, and where it was found.
+/// Drag coefficient of a particle, and the state of its last update.
 struct HeldDrag {
   double coefficient;  // [kg/s]
-  Vec3d slip;          // [m/s] not a number: not known
+  Vec3d slip;          // [m/s] NaN: not known
   double voidage;      // [-]
 };
 
-/// The particles of a coupling step, one value each; at its end, except for velocities, which are
-/// those of its start.
+/// Particles of a coupling step, one value each, at its end; velocities are those at its start.
 struct CoupledParticles {
-  AveragedParticles shape;                       // where they are, and how large
+  AveragedParticles shape;                       // positions and sizes
   std::span<const Vec3d> velocity;               // [m/s]
   std::span<const double> volume;                // [m3]
   std::span<const double> mass;                  // [kg]; infinite: fixed
-  std::span<const Vec3d> acceleration = {};      // [m/s2] by all but the fluid; left out: none
+  std::span<const Vec3d> acceleration = {};      // [m/s2] by all other forces; left out: none
   std::span<const Vec3d> angular_velocity = {};  // [rad/s]; left out: none
   // With FollowedDrag:
   std::span<const Vec3d> owed = {};  // [N s] taken beyond what the fluid gave in its last step
-  std::span<HeldDrag> drag = {};     // renewed where the tolerance asks for it
-  std::span<const FormInFlow> forms = {};  // of bodies, where a force or the drag sees forms
-  std::span<const ParticleId> id = {};     // that each keeps; where a force has a history
+  std::span<HeldDrag> drag = {};     // updated according to the tolerance
+  std::span<const FormInFlow> forms = {};  // of bodies, if a force or the drag uses forms
+  std::span<const ParticleId> id = {};     // permanent; if a force has a history
   double inertia_factor = 0.4;             // [-] I/(m r^2) of spheres
-  const ParticleHeat* heat = nullptr;      // what they exchange with a fluid that has heat
+  const ParticleHeat* heat = nullptr;      // exchange with a fluid that has heat
 };
 
 namespace detail {
 
-/// The particles of a simulation, one after the other, as its fluid takes them.
+/// Particles of a simulation, in sequence, as input of its fluid.
 struct ParticlesInFluid {
   std::vector<std::size_t> place;  // in the rows of particles
   std::vector<Vec3d> position, velocity, acceleration, spin, force, torque;
@@ -53,9 +52,9 @@ struct ParticlesInFluid {
   std::vector<std::uint32_t> form;
   std::vector<AveragedForm> forms;
   std::vector<FormInFlow> forms_in_flow;  // if asked for
-  std::vector<std::uint64_t> made;        // BodyForm::made of each of the forms
+  std::vector<std::uint64_t> made;        // BodyForm::made of each form
   std::vector<ParticleId> id;
-  std::vector<double> temperature, capacity;  // [K], [J/K] of modules that exchange heat with it
+  std::vector<double> temperature, capacity;  // [K], [J/K] of modules with heat exchange
   double inertia_factor = 0.4;                // [-]
 
   void resize(std::size_t n, bool bodies, bool turns, bool follows) {
@@ -78,7 +77,7 @@ struct ParticlesInFluid {
     all.forms = forms_in_flow, all.id = id, all.inertia_factor = inertia_factor;
     return all;
   }
-  /// Of form f, which is known or the next one.
+  /// For form f, which exists or is the next one.
   template <class Value>
   static void put(std::vector<Value>& of_forms, std::size_t f, Value value) {
     if (f < of_forms.size())

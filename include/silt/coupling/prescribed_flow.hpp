@@ -13,14 +13,14 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The velocity [m/s] of a fluid at place x [m] and time t [s]; called by several threads at once.
+/// Velocity [m/s] of a fluid at position x [m] and time t [s]; called by several threads at once.
 template <class V>
 concept VelocityField = requires(const V& velocity, const Vec3d& x, double t) {
   { velocity(x, t) } -> std::convertible_to<Vec3d>;
 };
 
-/// Particles in a flow that is known and does not feel them: wind, a vortex, a shear. The fluid of
-/// a Simulation, without a grid.
+/// One-way coupling: particles in a given flow, which they do not change: wind, a vortex, a shear.
+/// The fluid of a Simulation, without a grid.
 ///
 ///   silt::PrescribedFlow wind{silt::SchillerNaumann{}, {.density = 1.2, .viscosity = 1.8e-5},
 ///                             [](const silt::Vec3d& x, double) { return silt::Vec3d{x.z, 0, 0};
@@ -28,14 +28,14 @@ concept VelocityField = requires(const V& velocity, const Vec3d& x, double t) {
 ///
 ///   m dv/dt = K (u - v) + rho V (Du/Dt - g) + further forces + all else,  u = u(x, t)          (1)
 ///
-/// K as the drag law says, for a voidage of 1; rho V Du/Dt is what pressure and viscous stress of
-/// the undisturbed flow do to the particle. Each particle step is a fluid step, integrated exactly
-/// for a K and u held over it (StepResponse). Du/Dt is a central difference over the step along the
-/// fluid's way; curl and strain, where a force needs them, central differences over the particle's
-/// diameter: all exact where u is linear in x and steady.
+/// K from the drag law at a void fraction of 1; rho V Du/Dt is the force of pressure and viscous
+/// stress of the undisturbed flow. Each particle step is a fluid step, integrated exactly for
+/// constant K and u (StepResponse). Du/Dt is a central difference over the step along the fluid's
+/// path; curl and strain, if a force needs them, are central differences over the particle's
+/// diameter: all exact for a steady u that is linear in x.
 ///
 /// Valid:  dilute suspensions, whose drag does not change the flow.
-/// Errors: InputError for a density or viscosity that cannot be, and where u is not finite.
+/// Errors: InputError for an invalid density or viscosity, and if u is not finite.
 /// Tests:  tests/coupling/prescribed_flow.cpp.
 /// Source: M. R. Maxey, J. J. Riley, Phys. Fluids 26 (1983) 883 (force of the undisturbed flow).
 /// Units:  SI.
@@ -43,7 +43,7 @@ template <VelocityField Velocity, class Drag, class... Forces>
 class PrescribedFlow {
   using Exchange = ParticleExchange<Drag, Forces...>;
   static_assert(!Exchange::follows,
-                "PrescribedFlow finds drag in each particle step: leave FollowedDrag out");
+                "PrescribedFlow computes drag in each particle step: leave out FollowedDrag");
 
  public:
   static constexpr bool active = true, turns = Exchange::turns, sees_forms = Exchange::sees_forms;
@@ -102,7 +102,7 @@ class PrescribedFlow {
   static void put(ParticleColumns& to, std::size_t p, const Vec3d& v) {
     to[0][p] = v.x, to[1][p] = v.y, to[2][p] = v.z;
   }
-  /// The fluid at particle p, at x, in the middle of a step of dt.
+  /// Fluid at particle p, at x, in the middle of a step of dt.
   void look(std::size_t p, const Vec3d& x, double radius, double now, double dt) {
     FluidAtParticles& at = exchange_.at;
     const Vec3d u = velocity_(x, now);

@@ -8,11 +8,12 @@
 #include <silt/coupling/concept.hpp>
 #include <silt/coupling/step_response.hpp>
 
-/// How many particle steps a step of a fluid spans that particles act on, too.
+/// Number of particle steps in a step of a two-way coupled fluid.
 namespace silt::inline SILT_TARGET::detail {
 
-/// Fluid steps that resolve contacts, over the limit of the particles' steps, an eighth of one:
-/// omega dt = 0.4 of a pair's, some 1.1 of a packing's fastest motion, where 1.7 is stable.
+/// Fluid steps that resolve contacts, relative to the limit of the particle steps, an eighth of a
+/// contact: omega dt = 0.4 for a pair, about 1.1 for the fastest motion of a packing; 1.7 is
+/// stable.
 inline constexpr double held_share_of_contact = 1;  // [-]
 
 inline void check_steps(const char* of, const std::optional<int>& steps, int most_steps) {
@@ -21,14 +22,14 @@ inline void check_steps(const char* of, const std::optional<int>& steps, int mos
   require(most_steps >= 1, of, ".most_steps = ", most_steps, " must be at least 1");
 }
 
-/// The number of particle steps in `longest` [s], at most `most_steps`.
+/// Number of particle steps in `longest` [s], at most `most_steps`.
 inline int steps_in(double longest, const FluidPace& pace, int most_steps) {
   return static_cast<int>(std::clamp(longest / pace.step, 1.0, static_cast<double>(most_steps)));
 }
 
-/// Light or stiffly coupled particles in contact: what the fluid gives them is held over its step
-/// and knows only the contacts of the step before, so that a step of up to `longest` [s] must
-/// either leave the fluid's answer small or resolve the contacts.
+/// For light or stiffly coupled particles in contact. The fluid force is constant over the fluid
+/// step and uses the contacts of the previous step. A step of up to `longest` [s] must therefore
+/// either keep the fluid's response small or resolve the contacts.
 inline double longest_held_step(const HeldAnswer& held, const FluidClock& clock, double longest,
                                 const FluidPace& pace) {
   const double lag = held.in_contact, small = held.most_lag * clock.last_step;
@@ -38,7 +39,7 @@ inline double longest_held_step(const HeldAnswer& held, const FluidClock& clock,
   return longest;
 }
 
-/// The same of a number of steps that was set: refuses a step of `span` [s] that was too long.
+/// The same for a given number of steps: refuses a step of `span` [s] that was too long.
 inline void check_held_step(const char* of, int steps, const HeldAnswer& held, double span,
                             const FluidPace& pace, const char* or_else) {
   if (!(held.lag > held.most_lag && held.density_ratio < 1)) return;
@@ -47,7 +48,7 @@ inline void check_held_step(const char* of, int steps, const HeldAnswer& held, d
   throw Error(text(
       of, ".steps = ", steps, " particle steps a fluid step are too many for particles of ",
       held.density_ratio, " of the fluid's density: what it gives them is held for ", span,
-      " s, longer than an eighth of a contact, and would make their contacts swing; set it to at "
+      " s, longer than an eighth of a contact, which makes contacts oscillate; set it to at "
       "most ",
       static_cast<int>(held_share_of_contact * *limit / pace.step), " or leave it out", or_else));
 }

@@ -9,33 +9,33 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What acts on a particle during a fluid step of a CoupledFlow, besides what the step will find.
+/// Loads on a particle in a fluid step of a CoupledFlow, without those that the step computes.
 struct StepLoads {
   double mass, added;  // [kg] m, infinite: fixed; m' added mass
   double drag;         // [kg/s] K
-  double volume;       // [m3] on which pressure and stress act; 0: they do not (model B)
+  double volume;       // [m3] for pressure and stress; 0: without (model B)
   double dt;           // [s] the fluid step
   Vec3d velocity;      // [m/s] v of the particle
   Vec3d fluid;         // [m/s] u of the fluid
   Vec3d convection;    // [m/s2] u grad u
-  Vec3d others;        // [N] of all but the fluid: weight, buoyancy by the fluid's weight, contacts
-  Vec3d push;          // [N] of the fluid besides drag, pressure, stress and added mass: lift
+  Vec3d others;        // [N] not from the fluid: weight, buoyancy by the fluid's weight, contacts
+  Vec3d push;          // [N] from the fluid except drag, pressure, stress, added mass: lift
 };
 
-/// The velocity and the force of a particle at the end of a fluid step, linear in what the step
-/// finds: the fluid's velocity u', grad p' and div tau'.
+/// Velocity of a particle at the end of a fluid step, and force on it, linear in the results of the
+/// step: the fluid's velocity u', grad p' and div tau'.
 ///
-///   (m + m') dv/dt = K (u' - v) - V (grad p' - div tau') + m' Du/Dt + push + others (1) Du/Dt =
-///   (u' - u)/dt + u grad u                                                             (2) X = dt
-///   K/(m + m'),  E = 1 - e^-X,  R = E/X (1 without drag) v' = v0 + a u' - b (grad p' - div tau'),
-///   a = E + R m'/(m + m'),  b = dt R V/(m + m')       (3) F  = c u' - o + q (grad p' - div tau'),
-///   c = m a/dt,  q = V - m b/dt                        (4)
+///   (m + m') dv/dt = K (u' - v) - V (grad p' - div tau') + m' Du/Dt + push + others           (1)
+///   Du/Dt = (u' - u)/dt + u grad u                                                            (2)
+///   X = dt K/(m + m'),  E = 1 - e^-X,  R = E/X (1 without drag)
+///   v' = v0 + a u' - b (grad p' - div tau'),  a = E + R m'/(m + m'),  b = dt R V/(m + m')     (3)
+///   F  = c u' - o + q (grad p' - div tau'),  c = m a/dt,  q = V - m b/dt                      (4)
 ///
-/// (3) is the exact solution of (1) for u', p' held over the step, and F what the fluid does to the
-/// particle besides V (div tau' - grad p'), from the same change of momentum. So a particle without
-/// mass feels nothing in sum, and its terminal velocity is right for any X and any ratio of
-/// densities; a fluid that starts suddenly gives it the inviscid impulse in the step of the start.
-/// For m' = 0 and a pressure that is known it is MomentumExchange.
+/// (3) is the exact solution of (1) for constant u', p' in the step, and F the force of the fluid
+/// besides V (div tau' - grad p'), from the same change of momentum. The total force on a particle
+/// without mass is therefore 0, and the terminal velocity is right for any X and any density ratio.
+/// A fluid that starts suddenly gives the inviscid impulse in the step of the start. For m' = 0 and
+/// a known pressure it is MomentumExchange.
 ///
 /// Units: SI.
 /// Tests: tests/coupling/light_particles.cpp, tests/coupling/impulsive_start.cpp.
@@ -46,32 +46,32 @@ struct StepResponse {
   double coefficient = 0;    // [kg/s] c
   Vec3d offset{0, 0, 0};     // [N] o
   double borne = 0;          // [m3] q
-  /// [-] of what other forces change during the step, the share that the fluid's answer, which is
-  /// held, lacks: near 0 for heavy particles, near 1 for light or stiffly coupled ones
+  /// [-] share of changes of other forces during the step that the fluid force, which is constant,
+  /// misses: near 0 for heavy particles, near 1 for light or stiffly coupled ones
   double lag = 0;
 
   /// v' of (3) [m/s]; slope: grad p' - div tau' [Pa/m].
   Vec3d velocity(const Vec3d& u, const Vec3d& slope) const {
     return start + with_fluid * u - with_pressure * slope;
   }
-  /// F of (4) [N]; the fluid gets its opposite.
+  /// F of (4) [N]; -F acts on the fluid.
   Vec3d force(const Vec3d& u, const Vec3d& slope) const {
     return coefficient * u - offset + borne * slope;
   }
 };
 
-/// How much the particles' answers, held over a fluid step, miss of what contacts do meanwhile:
-/// StepResponse::lag, at most of any particle.
+/// Effect of contacts during a fluid step that the constant fluid forces miss: StepResponse::lag,
+/// largest of any particle.
 struct HeldAnswer {
   double lag = 0;            // [-] and
   double density_ratio = 0;  // [-] that particle's density over the fluid's
-  double in_contact = 0;     // [-] lag of those that contacts push; 0.9 of it a step later
-  /// Up to this lag fluid steps of any length are stable with contacts whose dashpot is a twentieth
-  /// of the critical one (e = 0.85) and more; above, those that resolve the contacts' oscillation,
-  /// omega dt < 1.7. By the eigenvalues of a grain on a damped spring with (3) and (4), where the
-  /// force of the spring is known to the fluid as its mean over the step before.
+  double in_contact = 0;     // [-] lag of particles in contact, times 0.9 per step
+  /// Up to this lag fluid steps of any length are stable with contacts whose dashpot is at least a
+  /// twentieth of the critical one (e = 0.85). Above it fluid steps must resolve the contacts'
+  /// oscillation, omega dt < 1.7. From the eigenvalues of a particle on a damped spring with (3)
+  /// and (4), where the fluid gets the mean force of the spring over the previous step.
   static constexpr double most_lag = 0.1;
-  static constexpr double least_lag = 1e-3;  // that is looked at
+  static constexpr double least_lag = 1e-3;  // smaller ones are ignored
   void include(double of, double ratio, bool touched) {
     if (of > lag) lag = of, density_ratio = ratio;
     if (touched) in_contact = std::max(in_contact, of);
@@ -83,9 +83,9 @@ inline StepResponse step_response(const StepLoads& p) {
   if (!std::isfinite(p.mass))
     return {0, 0, p.velocity, p.drag + p.added / p.dt, p.drag * p.velocity - known, 0};
   const double all = p.mass + p.added, X = p.dt * p.drag / all;
-  // A drag that is no number stays one, for the flow to refuse.
+  // A drag that is NaN stays NaN, for the flow to refuse.
   const double E = X == 0 ? 0 : one_minus_exponential(X), R = X == 0 ? 1 : E / X;
-  const double part = p.mass / all * R;  // of the forces that the particle's own mass takes
+  const double part = p.mass / all * R;  // of the forces that act on the particle's own mass
   StepResponse r;
   r.with_fluid = E + R * p.added / all;
   r.with_pressure = p.dt * R * p.volume / all;

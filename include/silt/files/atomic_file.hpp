@@ -24,13 +24,13 @@
 namespace silt::inline SILT_TARGET {
 namespace detail {
 
-/// The system's words for an error number, e.g. "No space left on device".
+/// Message of the system for an error number, e.g. "No space left on device".
 [[gnu::cold]] inline std::string system_reason(int code) {
   return std::generic_category().message(code);
 }
 
-/// An open file that closes itself. A failed call throws FileError with `name` (the path that the
-/// user knows) and the system's reason.
+/// Open file, closed by the destructor. A failed call throws FileError with `name` (the path given
+/// by the user) and the system's reason.
 class File {
  public:
   File(const std::string& path, int flags, std::string name)
@@ -59,7 +59,7 @@ class File {
     return static_cast<std::uint64_t>(status.st_size);
   }
 
-  /// Writes all `bytes` at the end of what was written before.
+  /// Appends all `bytes`.
   void write(const void* data, std::size_t bytes) {
     const char* from = static_cast<const char*>(data);
     while (bytes > 0) {
@@ -84,7 +84,7 @@ class File {
     }
   }
 
-  /// False if another program has locked it; the lock ends with the file or the program.
+  /// False if another program has locked the file; the lock ends with the file or the program.
   bool lock() { return ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0; }
 
   void truncate(std::uint64_t bytes) {
@@ -109,18 +109,17 @@ class File {
   int descriptor_;
 };
 
-/// Refuses a file that is larger than this machine's memory, as a sparse one may be, before any of
-/// it is read: what is read from it would not fit either.
+/// Refuses a file larger than this machine's memory (it may be sparse) before reading it.
 inline void check_size(std::uint64_t bytes, const std::string& name) {
   const long pages = ::sysconf(_SC_PHYS_PAGES), page = ::sysconf(_SC_PAGESIZE);
-  if (pages <= 0 || page <= 0) return;  // the system does not say
+  if (pages <= 0 || page <= 0) return;  // unknown
   const auto memory = static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page);
   if (bytes > memory)
     throw FileError(text("file '", name, "' has ", bytes, " bytes, more than this machine's ",
                          memory, " bytes of memory; it is damaged, or too large to be read here"));
 }
 
-/// Reads what `read(file)` wants of a file; where memory ends, that is a FileError too.
+/// Reads from a file by `read(file)`; lack of memory becomes a FileError too.
 template <class Read>
 auto read_from(const std::string& path, const Read& read) {
   const File file(path, O_RDONLY, path);
@@ -129,12 +128,12 @@ auto read_from(const std::string& path, const Read& read) {
   try {
     return read(file, bytes);
   } catch (const std::bad_alloc&) {
-    throw FileError(text("file '", path, "' of ", bytes, " bytes does not fit into memory"));
+    throw FileError(text("file '", path, "' of ", bytes, " bytes exceeds the memory"));
   }
 }
 
-/// Reads a file in blocks and asks after each, accept(all so far): what is refused early costs no
-/// more memory than that.
+/// Reads a file in blocks and calls accept(all so far) after each; a file refused early needs
+/// little memory.
 template <class Accept>
 std::string read_blocks(const File& file, std::uint64_t bytes, const Accept& accept) {
   constexpr std::uint64_t first = 1 << 16;
@@ -157,7 +156,7 @@ inline std::string read_file(const std::string& path) {
 
 inline constexpr std::string_view utf8_mark = "\xEF\xBB\xBF";  // a byte-order mark
 
-/// A file of text without the byte-order mark that some editors put before it.
+/// Content of a text file without a byte-order mark, which some editors add.
 /// Errors: FileError for one with zero bytes: binary, or text in UTF-16.
 inline std::string read_text(const std::string& path) {
   std::string content = read_from(path, [&](const File& file, std::uint64_t bytes) {
@@ -189,7 +188,7 @@ inline void flush_folder_of(const std::string& path) {
                          "' is written, but its folder cannot be flushed: ", system_reason(code)));
 }
 
-/// A view of a caller's array that is read later, when the file is written.
+/// View of a caller's array that is read later, when the file is written.
 template <class Values>
 auto lasting_view(Values&& values) {
   static_assert(std::is_lvalue_reference_v<Values> ||
@@ -202,8 +201,8 @@ auto lasting_view(Values&& values) {
 
 }  // namespace detail
 
-/// Makes the folder `path` and its parents where they are missing.
-/// Errors: FileError with the part of the path that is a file or that the system refuses to make.
+/// Creates the folder `path` and its parents if missing.
+/// Errors: FileError with the part of the path that is a file or cannot be created.
 [[gnu::cold]] inline void make_folder(const std::string& path) {
   require(!path.empty(), "make_folder: the path is empty; '.' is the present folder");
   for (std::size_t end = 0; end != std::string::npos;) {
@@ -214,27 +213,28 @@ auto lasting_view(Values&& values) {
     struct stat status {};
     const bool exists = ::stat(part.c_str(), &status) == 0;
     if (exists && S_ISDIR(status.st_mode)) continue;
-    throw FileError(text("folder '", path, "' cannot be made: ",
+    throw FileError(text("folder '", path, "' cannot be created: ",
                          exists ? text("'", part, "' is a file")
                                 : text("'", part, "': ", detail::system_reason(code))));
   }
 }
-/// The folder that a file stands in.
+/// Creates the folder of a file.
 inline void make_folder_of(const std::string& path) {
   if (const auto slash = path.rfind('/'); slash != path.npos && slash > 0)
     make_folder(path.substr(0, slash));
 }
 
-/// Whether a file waits for the disk. What a run needs to go on from does; of a picture's file that
-/// a power failure cuts off only the picture is lost, and waiting would cost more than writing.
+/// Whether closing a file waits for the disk. Files needed for a restart do. A picture may be lost
+/// in a power failure, and waiting would take longer than writing it.
 enum class Flush { ToDisk, Never };
 
-/// A file that appears complete or not at all: written as `<path>.partial`, and renamed over `path`
-/// by `commit`, after it has reached the disk. A reader of `path`, at any moment and after a kill
-/// or power failure, finds the whole old file or the whole new one. With Flush::Never that holds
-/// but for power failures: those may leave a file of the last minute empty or cut off.
+/// File that appears complete or not at all: written as `<path>.partial`, and renamed to `path` by
+/// `commit` after it has reached the disk. At any moment, and after a kill or power failure, `path`
+/// is the whole old file or the whole new one. With Flush::Never this excludes power failures,
+/// which may leave a file of the last minute empty or truncated.
 /// Errors: every failed call throws FileError with the path and the system's reason, removes the
-/// partial file and leaves `path` as it was; so does the destructor without `commit`, silently.
+///         partial file and leaves `path` unchanged. The destructor without `commit` does the same
+///         silently.
 class AtomicFile {
  public:
   explicit AtomicFile(std::string path, Flush flush = Flush::ToDisk)

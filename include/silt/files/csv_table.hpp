@@ -19,26 +19,26 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A table of numbers as a CSV file that grows row by row. Each number is written in the shortest
-/// form that reads back exactly. A row reaches the system at once, so that a killed run keeps all
-/// of its rows, and a row that does not fit on the disk leaves no half of itself.
+/// Table of numbers as a CSV file that grows row by row. Each number is written in the shortest
+/// form that reads back exactly. A row is passed to the system at once: a killed run keeps all of
+/// its rows. If a row does not fit on the disk, no part of it remains.
 ///
 ///   silt::CsvTable energy{"out/energy.csv", {"time [s]", "kinetic [J]"}};
 ///   energy.add_row({t, e});
 ///
-/// Makes the folder that it stands in.
+/// Creates its folder.
 /// Errors: InputError for unusable column names or a row of another length; FileError if the file
 /// cannot be written or, in `resume`, is not such a table.
 class CsvTable {
  public:
-  /// A new table; one that is there already is replaced.
+  /// A new table; replaces an existing one.
   CsvTable(const std::string& path, const std::vector<std::string>& columns)
       : CsvTable(path, columns.size(), header(path, columns)) {}
 
-  /// Goes on with a table after a restart: keeps the rows whose first number is at most `limit`
-  /// (the time of the restart), and drops later ones and a last row that a kill left incomplete.
-  /// Where there is no file it begins a new one. The first numbers of the rows must be finite and
-  /// must not decrease, as times do: which rows to keep could not be told otherwise.
+  /// Continues a table after a restart: keeps the rows whose first number is at most `limit` (the
+  /// time of the restart), and drops later ones and an incomplete last row. Without a file it
+  /// starts a new table. The first numbers of the rows must be finite and must not decrease, as
+  /// times do; they determine which rows are kept.
   static CsvTable resume(const std::string& path, const std::vector<std::string>& columns,
                          double limit) {
     std::string content = header(path, columns);
@@ -117,8 +117,8 @@ class CsvTable {
         throw FileError(text("table '", path, "' line ", line, " begins with ", first,
                              std::isfinite(first)
                                  ? text(", less than the ", before, " of the line above")
-                                 : std::string(", which is no time"),
-                             "; mend or remove the table"));
+                                 : std::string(", which is not a time"),
+                             "; correct or remove the table"));
       if (first <= limit) kept += rest.substr(0, end + 1);
       before = first;
       rest.remove_prefix(end + 1);
@@ -126,7 +126,7 @@ class CsvTable {
     return kept;
   }
 
-  /// The first number of a row; FileError unless the row is `columns` numbers with commas between.
+  /// First number of a row; FileError unless the row is `columns` numbers separated by commas.
   static double first_number(const std::string& path, std::size_t line, std::string_view row,
                              std::size_t columns) {
     const char* at = row.data();
@@ -152,7 +152,7 @@ class CsvTable {
 
 namespace detail {
 
-/// What a row may be given as: a number alone, or an array or vector of double.
+/// Forms of a row: a single number, or an array or vector of double.
 template <class Row>
 auto row_of(Row row) {
   if constexpr (std::is_arithmetic_v<Row>) {
@@ -165,7 +165,7 @@ auto row_of(Row row) {
   }
 }
 
-/// A whole table at once, which is there entirely or not at all.
+/// Writes a whole table at once; it is complete or absent.
 template <class Rows>
 void write_csv(const std::string& path, const std::vector<std::string>& columns, const Rows& rows) {
   std::string all;

@@ -14,7 +14,7 @@ static_assert(
     "silt/files: binary PLY and VTP files are read in the machine's byte order, which must "
     "be little endian; a big-endian port has to swap bytes here");
 
-/// Types of the numbers in binary files of other programs, known when the file is read.
+/// Types of numbers in binary files of other programs, known at run time.
 enum class NumberType {
   Int8,
   UInt8,
@@ -41,7 +41,7 @@ double number_of_type(const char* bytes) {
   std::memcpy(&value, bytes, sizeof value);
   return static_cast<double>(value);
 }
-/// The number whose bytes, lowest first, begin here. Integers are exact up to 2^53.
+/// The number that starts at these bytes, little-endian. Integers are exact up to 2^53.
 inline double number_at(const char* bytes, NumberType type) {
   switch (type) {
     case NumberType::Int8:

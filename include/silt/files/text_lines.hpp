@@ -22,7 +22,7 @@ inline std::string_view trimmed(std::string_view s) {
   return s;
 }
 
-/// Takes the first word off `rest`; empty where none is left.
+/// Takes the first word off `rest`; empty if none is left.
 inline std::string_view next_word(std::string_view& rest) {
   rest = trimmed(rest);
   std::size_t end = 0;
@@ -32,7 +32,7 @@ inline std::string_view next_word(std::string_view& rest) {
   return word;
 }
 
-/// Reads a finite number, whatever the locale; returns why `word` is none, or nothing.
+/// Reads a finite number, for any locale; returns the reason why `word` is not one, or empty.
 inline std::string_view why_no_number(std::string_view word, double& x) {
   const bool plus = word.size() > 1 && word[0] == '+' && word[1] != '-';
   const char* const end = word.data() + word.size();
@@ -42,11 +42,11 @@ inline std::string_view why_no_number(std::string_view word, double& x) {
   return std::isfinite(x) ? "" : "is not finite";
 }
 
-/// The lines of a text file that hold more than white space and comment, word by word; holds where
-/// it is, so that every refusal can name the file and the line.
+/// Lines of a text file, without blank lines and comments, word by word. Knows its position, which
+/// every refusal reports as file and line.
 class TextLines {
  public:
-  /// `file`: what messages begin with, as in "OBJ file 'a.obj'". `comment` begins one; 0: none.
+  /// `file`: prefix of messages, as in "OBJ file 'a.obj'". `comment`: its first character; 0: none.
   TextLines(std::string file, std::string_view content, char comment = '#')
       : file_(std::move(file)), rest_(content), comment_(comment) {}
 
@@ -64,7 +64,7 @@ class TextLines {
     line_ = words_ = remark_ = {};
     return false;
   }
-  /// Leaves out the next line, whatever it holds.
+  /// Skips the next line, whatever it contains.
   void skip() {
     rest_.remove_prefix(std::min(rest_.size(), std::min(rest_.find('\n'), rest_.size()) + 1));
     ++number_;
@@ -77,13 +77,13 @@ class TextLines {
   }
 
   std::string_view line() const { return line_; }
-  std::string_view remark() const { return remark_; }  // behind the comment sign
+  std::string_view remark() const { return remark_; }  // after the comment sign
   std::size_t number() const { return number_; }       // of the line, from 1
   std::string_view rest() const { return rest_; }      // of the file
   const std::string& file() const { return file_; }
 
   std::string_view word() { return next_word(words_); }
-  std::string_view words() const { return words_; }  // of this line, that are left
+  std::string_view words() const { return words_; }  // remaining words of this line
   double real(std::string_view what) {
     const auto w = word();
     double x = 0;

@@ -28,7 +28,7 @@ static_assert(
     "silt/io: VTK files are written in the machine's byte order and say that it is little "
     "endian; a big-endian port has to swap bytes here");
 
-/// One appended array of a VTK file: a view of values that live elsewhere.
+/// One appended array of a VTK file: a view of values stored elsewhere.
 struct VtkArray {
   std::string name;
   std::string_view type;  // VTK's word
@@ -36,7 +36,7 @@ struct VtkArray {
   const void* values;
 };
 
-/// How many numbers of which kind one element of a field is.
+/// Number and type of the components of a field's elements.
 template <class T>
 struct VtkElement {
   using Number = T;
@@ -66,7 +66,8 @@ constexpr std::string_view vtk_type() {
   else if constexpr (std::is_same_v<T, std::uint64_t>)
     return "UInt64";
   else
-    static_assert(sizeof(T) == 0, "a VTK field is of double, float, int32_t, uint32_t or uint64_t");
+    static_assert(sizeof(T) == 0,
+                  "the type of a VTK field is double, float, int32_t, uint32_t or uint64_t");
 }
 
 template <class T>
@@ -78,7 +79,7 @@ VtkArray vtk_array(std::string_view name, std::span<const T> values) {
           values.size(),     values.size_bytes(), values.data()};
 }
 
-/// A string that may stand between quotes in XML as it is.
+/// A string that may be placed between quotes in XML unchanged.
 inline bool is_plain(std::string_view word) {
   for (const char c : word)
     if (std::string_view("\"'<>&").find(c) != std::string_view::npos ||
@@ -92,21 +93,21 @@ inline void require_plain(std::string_view what, std::string_view word) {
           " must not contain quotes, <, >, & or control characters");
 }
 
-/// An XML element of a VTK file that holds arrays.
+/// XML element of a VTK file with arrays.
 struct VtkSection {
   std::string_view tag;
   std::span<const VtkArray> arrays;
 };
 
-/// `type`: VTK's word for the data set; `about` and `piece`: what its element and that of its only
-/// piece say. Does not wait for the disk (Flush::Never), as no VTK file does.
+/// `type`: VTK's name of the data set; `about` and `piece`: attributes of its element and of its
+/// only piece. Does not wait for the disk (Flush::Never), like all VTK files.
 inline void write_vtk_file(const std::string& path, std::string_view type, std::string_view about,
                            std::string_view piece, std::span<const VtkSection> sections) {
   AtomicFile file(path, Flush::Never);
   file.write(text("<?xml version=\"1.0\"?>\n<VTKFile type=\"", type,
                   "\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<", type,
                   about, ">\n<Piece ", piece, ">\n"));
-  std::uint64_t offset = 0;  // [bytes] of an array behind the mark '_'
+  std::uint64_t offset = 0;  // [bytes] of an array after the mark '_'
   for (const auto& section : sections) {
     file.write(text('<', section.tag, ">\n"));
     for (const auto& array : section.arrays) {
@@ -137,8 +138,8 @@ inline void write_vtp(const std::string& path, std::size_t points, std::size_t v
       sections);
 }
 
-/// stride, 2 stride, ... : where each cell's list of points ends. Replaces `ends`, of which it
-/// keeps what is right.
+/// stride, 2 stride, ... : the end of each cell's list of points. Extends or shortens `ends`,
+/// keeping the valid part.
 inline void set_vtk_cell_ends(const std::string& path, std::size_t cells, std::int32_t stride,
                               std::vector<std::int32_t>& ends) {
   constexpr auto most = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
@@ -155,7 +156,7 @@ inline std::vector<std::int32_t> vtk_cell_ends(const std::string& path, std::siz
   return ends;
 }
 
-/// Lines with two points of their own each; kept from file to file, it is not made again.
+/// Lines with two points each; kept from file to file.
 struct VtkLines {
   std::vector<std::int32_t> points, ends;
   void set(const std::string& path, std::size_t lines) {
@@ -168,7 +169,7 @@ struct VtkLines {
 
 }  // namespace detail
 
-/// Named values at the points of a VTK file. The arrays are not copied: they must live until the
+/// Named values at the points of a VTK file. The arrays are not copied: they must exist until the
 /// file is written.
 ///
 ///   silt::VtkFields fields;
@@ -187,7 +188,7 @@ class VtkFields {
   }
 
   std::span<const detail::VtkArray> arrays() const { return arrays_; }
-  /// The arrays; InputError unless each has one entry a point.
+  /// The arrays; InputError unless each has one entry per point.
   std::span<const detail::VtkArray> arrays_for(const std::string& path, std::size_t points,
                                                std::string_view of = "points") const {
     for (const auto& array : arrays_)
@@ -218,14 +219,14 @@ inline void write_vtp_points(const std::string& path, std::span<const Vec3d> pos
   detail::write_vtp(path, n, n, 0, sections);
 }
 
-/// What the pieces of an index have besides fields: where these stand, and the type of points.
+/// Data of an index besides fields: the association of the fields, and the type of points.
 struct VtkPieces {
   std::string_view fields_of = "PPointData";  // or PCellData
   std::string_view points = "Float64";
 };
-/// Writes the index of files that are the pieces of one picture, for ParaView: `path` should end in
-/// .pvtp, `files` are their places as seen from its folder, and `fields` those that each has.
-/// Errors: InputError for a name that cannot be written; FileError if the file cannot.
+/// Writes the index of files that are pieces of one data set, for ParaView: `path` should end in
+/// .pvtp, `files` are relative to its folder, and `fields` those that each has.
+/// Errors: InputError for an unsuitable name; FileError if the file cannot be written.
 inline void write_vtp_index(const std::string& path, std::span<const std::string> files,
                             const VtkFields& fields, const VtkPieces& layout = {}) {
   AtomicFile file(path, Flush::Never);
@@ -246,8 +247,8 @@ inline void write_vtp_index(const std::string& path, std::span<const std::string
   file.commit();
 }
 
-/// Writes a surface: `triangles` names three of the `points` [m] each.
-/// Errors: InputError for a field of another length or a triangle with a point that is not there;
+/// Writes a surface: each of `triangles` refers to three of the `points` [m].
+/// Errors: InputError for a field of another length or a triangle with an invalid point number;
 /// FileError if the file cannot be written.
 inline void write_vtp_triangles(const std::string& path, std::span<const Vec3d> points,
                                 std::span<const std::array<std::uint32_t, 3>> triangles,
@@ -274,7 +275,7 @@ inline void write_vtp_lines(const std::string& path, std::span<const std::array<
                             const VtkFields& fields, VtkLines& cells) {
   const std::size_t lines = points.size() / 2;
   require(points.size() % 2 == 0, "VTK file '", path, "': ", points.size(),
-          " points are no ends of lines, which have two each");
+          " points are not ends of lines, which have two each");
   const auto line_fields = fields.arrays_for(path, lines, "lines");
   cells.set(path, lines);
   const std::array places{vtk_array("Points", points)};
@@ -286,8 +287,8 @@ inline void write_vtp_lines(const std::string& path, std::span<const std::array<
 
 }  // namespace detail
 
-/// Writes lines: points 2 k and 2 k + 1 [m] are the ends of line k, which the fields have a value
-/// for each. Coordinates are written as float, 6e-8 of the largest.
+/// Writes lines: points 2 k and 2 k + 1 [m] are the ends of line k; fields have one value per line.
+/// Coordinates are written as float, 6e-8 of the largest.
 /// Errors: InputError for an odd number of points or a field of another length; FileError if the
 /// file cannot be written.
 inline void write_vtp_lines(const std::string& path, std::span<const std::array<float, 3>> points,
@@ -296,7 +297,7 @@ inline void write_vtp_lines(const std::string& path, std::span<const std::array<
   detail::write_vtp_lines(path, points, fields, lines);
 }
 
-/// Writes fields of the cells of a box that is cut into nx x ny x nz equal cells, x fastest, for
+/// Writes fields of the cells of a box with nx x ny x nz equal cells, x fastest, for
 /// ParaView: `path` should end in .vti.
 /// Errors: InputError for a field of another length; FileError if the file cannot be written.
 inline void write_vti(const std::string& path, const Box& box, const std::array<int, 3>& cells,
@@ -313,21 +314,20 @@ inline void write_vti(const std::string& path, const Box& box, const std::array<
       text("Extent=", extent), sections);
 }
 
-/// A time series of VTK files: `<folder>/<name>.pvd`, which ParaView opens as one animation.
-/// The list is replaced as a whole after each frame, so it is valid at every moment.
-/// Errors: InputError for unusable names or a time that runs backwards; FileError if the list
-/// cannot be written or, in `resume`, is not one of silt's.
+/// Time series of VTK files: `<folder>/<name>.pvd`, which ParaView opens as one animation. The list
+/// is replaced as a whole after each frame and is always valid.
+/// Errors: InputError for unusable names or decreasing times; FileError if the list cannot be
+///         written or, in `resume`, is not one of silt's.
 class VtkSeries {
  public:
-  /// A new, empty series; makes the folder, and empties a list of that name.
+  /// A new, empty series; creates the folder, and empties a list of that name.
   VtkSeries(const std::string& folder, std::string_view name)
       : VtkSeries(folder, name, NotWritten{}) {
     write();
   }
 
-  /// Goes on with a series after a restart at `time` [s]: frames later than that are dropped from
-  /// the list. Where there is none, or an empty file as a power failure may leave one, it begins a
-  /// new one.
+  /// Continues a series after a restart at `time` [s]: later frames are removed from the list.
+  /// Without a list, or with an empty file as after a power failure, it starts a new one.
   static VtkSeries resume(const std::string& folder, std::string_view name, double time) {
     VtkSeries series(folder, name, NotWritten{});
     if (detail::file_exists(series.path_)) series.read(time);
@@ -338,8 +338,8 @@ class VtkSeries {
   const std::string& path() const { return path_; }
   std::size_t frames() const { return frames_.size(); }
 
-  /// Adds the file `file` (its place as seen from the folder) as the state at `time` [s]. A frame
-  /// at the time of the last one takes its place.
+  /// Adds the file `file` (relative to the folder) as the state at `time` [s]. A frame at the time
+  /// of the last one replaces it.
   void add(double time, std::string_view file) {
     detail::require_plain("VtkSeries: the frame's file name", file);
     require(std::isfinite(time), "VtkSeries '", path_, "': time = ", time, " [s] must be finite");
@@ -399,7 +399,7 @@ class VtkSeries {
                              " on; remove it, or give the run another folder or name"));
     };
     expect(skip(head_));
-    double last = -std::numeric_limits<double>::infinity();  // [s] frames follow in time
+    double last = -std::numeric_limits<double>::infinity();  // [s] frames are in order of time
     while (skip(before_time_)) {
       double time = 0;  // [s]
       const auto number = std::from_chars(rest.data(), rest.data() + rest.size(), time);

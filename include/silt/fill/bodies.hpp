@@ -21,33 +21,33 @@
 namespace silt::inline SILT_TARGET {
 
 namespace detail {
-/// The parts of a SolidShape; nothing of others.
+/// Parts of a SolidShape; empty for others.
 template <class S>
 struct SolidsOfForm {};
 template <SolidShape S>
 struct SolidsOfForm<S> {
   std::vector<SolidPart<typename S::Kinds>> solids;
 };
-/// Counts the forms that a program makes.
+/// Counts the forms created by a program.
 inline std::uint64_t next_form() {
   static std::atomic<std::uint64_t> last{0};
   return ++last;
 }
 }  // namespace detail
 
-/// A form as the engine has it: in its principal frame, about its centroid.
+/// A form in the engine: in its principal frame, about its centroid.
 template <class S>
 struct BodyForm : detail::SolidsOfForm<S> {
-  S shape;  // as the user gave it
+  S shape;  // as given by the user
   MassProperties mass;
-  std::vector<Ball> parts;  // what they are, or the spheres around them
-  double radius;            // [m] of the sphere around the centroid that holds all
-  /// [m] largest |r x n| along each principal axis, over the surface with its points r from the
-  /// centroid and normals n: an angular velocity w moves no point faster along its normal than the
-  /// sum of |w_i| lever_i. Of solids over 1000 normals: up to 10 % less.
+  std::vector<Ball> parts;  // its spheres, or bounding spheres of its parts
+  double radius;            // [m] bounding sphere about the centroid
+  /// [m] largest |r x n| along each principal axis, over the surface points r from the centroid and
+  /// their normals n: with an angular velocity w no point moves faster along its normal than the
+  /// sum of |w_i| lever_i. For solids from 1000 normals: up to 10 % too small.
   Vec3d lever{0, 0, 0};
-  /// Of a solid shape, for many normals: the radius at the contact [m], and what the mass is over
-  /// the mass that a push there meets [-].
+  /// For a solid shape, for many normals: radius at the contact [m], and mass over the effective
+  /// mass at that point [-].
   struct Spot {
     double radius, lightness;
   };
@@ -68,17 +68,18 @@ struct BodyForm : detail::SolidsOfForm<S> {
       for (const Ball& b : shape.parts())
         parts.push_back({rotate(conjugate(mass.axes), b.centre - mass.centroid), b.radius});
       for (const Ball& b : parts) {
-        const Vec3d& c = b.centre;  // normals of a ball have all directions
+        const Vec3d& c = b.centre;  // a ball has normals in all directions
         widen_lever({std::hypot(c.y, c.z), std::hypot(c.z, c.x), std::hypot(c.x, c.y)});
       }
     }
     for (const Ball& b : parts) radius = std::max(radius, norm(b.centre) + b.radius);
   }
 
-  /// The same of all copies of a form and of no other form, as long as the program runs.
+  /// The same for all copies of a form and different for other forms, within one run of the
+  /// program.
   std::uint64_t made() const { return made_; }
   bool is_copy_of(const BodyForm& b) const { return made_ == b.made_; }
-  /// Whether `b` is a copy of this form, or of the same shape: they are one form then.
+  /// Whether `b` is a copy of this form, or has the same shape: they count as one form.
   bool is(const BodyForm& b) const {
     if (is_copy_of(b)) return true;
     if constexpr (std::equality_comparable<S>)
@@ -87,8 +88,8 @@ struct BodyForm : detail::SolidsOfForm<S> {
       return false;
   }
 
-  /// Tells `lightest` the parts of a particle of this form: the mass is what a push at the tip of
-  /// the longest lever meets.
+  /// Passes the parts of a particle of this form to `lightest`: the mass is the effective one at
+  /// the end of the longest lever.
   template <class Lightest>
   void include_lightest(Lightest& lightest, double scale, double of_body) const {
     for (const Spot& s : spots) lightest.include({scale * s.radius, of_body / s.lightness});
@@ -111,7 +112,7 @@ struct BodyForm : detail::SolidsOfForm<S> {
     lever = {std::max(lever.x, std::abs(of.x)), std::max(lever.y, std::abs(of.y)),
              std::max(lever.z, std::abs(of.z))};
   }
-  /// The k-th of `count` normals evenly over the sphere, by the golden angle.
+  /// The k-th of `count` normals spread uniformly over the sphere, by the golden angle.
   static Vec3d normal_of(std::size_t k, std::size_t count) {
     const double z = 1 - (2 * static_cast<double>(k) + 1) / static_cast<double>(count);
     const double r = std::sqrt(1 - z * z);
@@ -145,7 +146,7 @@ struct BodyForm : detail::SolidsOfForm<S> {
   std::uint64_t made_ = detail::next_form();
 };
 
-/// An orientation drawn from all with equal probability.
+/// Random orientation, uniformly distributed.
 /// Source: K. Shoemake, in Graphics Gems III (1992) 124.
 inline Quaternion random_orientation(Random& random) {
   const double u = random.uniform(0, 1), a = random.uniform(0, 2 * std::numbers::pi),
@@ -154,37 +155,37 @@ inline Quaternion random_orientation(Random& random) {
   return {q * std::cos(b), p * std::sin(a), p * std::cos(a), q * std::sin(b)};
 }
 
-/// Bodies that a simulation starts with: each has one of the forms, in its own size.
+/// Initial bodies of a simulation: each has one of the forms, with its own size.
 ///
 ///   silt::Particles<silt::MultiSphere> stones;
 ///   const auto pebble = stones.add_form(silt::read_multi_sphere("pebble.txt"));
 ///   stones.fill({.min = {0, 0, 0}, .max = {0.1, 0.1, 0.2}},
 ///               {.radius = silt::uniform(4e-3, 6e-3), .density = 2500, .form = pebble});
-/// Errors: InputError naming the particle's number, the value, its unit and what is allowed.
+/// Errors: InputError with the particle's number, the value, its unit and the allowed range.
 template <BodyShape S>
 class Particles<S> {
  public:
   using ShapeType = S;
   struct Particle {
-    std::size_t form = 0;             // [-] as add_form counted
+    std::size_t form = 0;             // [-] number from add_form
     Vec3d position;                   // [m] of the centre of mass
-    Quaternion orientation = {};      // turns the frame that the form was given in to space
+    Quaternion orientation = {};      // rotates the frame of the form to space
     double radius = 0;                // [m] of its bounding sphere; 0: as the form was made
     double density = 0;               // [kg/m3]
     Vec3d velocity{0, 0, 0};          // [m/s]
     Vec3d angular_velocity{0, 0, 0};  // [rad/s] in space
     std::size_t material = 0;         // [-] index in the contacts' table
-    bool fixed = false;               // keeps its velocity whatever acts on it
+    bool fixed = false;               // keeps its velocity under any load
   };
 
-  /// Returns the form's number. A `name` is unique, and stands in messages.
+  /// Returns the form's number. A `name` is unique, and is used in messages.
   std::size_t add_form(S shape, std::string name = {}) {
     if (!name.empty()) names().check(name, forms_.size());
     detail::check_named("form", name, [&] { forms_.emplace_back(std::move(shape)); });
     forms_.back().name = std::move(name);
     return forms_.size() - 1;
   }
-  /// The number of the form with this name.
+  /// Number of the form with this name.
   std::size_t find_form(std::string_view name) const { return names().number_of(name); }
 
   Particles& add(Particle p) {
@@ -193,7 +194,7 @@ class Particles<S> {
     all_.push_back(p);
     return *this;
   }
-  /// As of spheres.
+  /// As for spheres.
   void check(const Particle& p, std::size_t number) const { check(p, number, forms_); }
   static void check(const Particle& p, std::size_t number, std::span<const BodyForm<S>> forms) {
     require(p.form < forms.size(), "particle ", number, ": form = ", p.form, " is none of the ",
@@ -211,9 +212,9 @@ class Particles<S> {
               detail::after_number(forms[p.form].name), " has no size of its own");
   }
 
-  /// Fills a region without overlap of bounding spheres, also with those of the particles there
-  /// already. Throws InputError and adds none if what was asked for does not fit; says how many
-  /// would have, and why no more.
+  /// Fills a region without overlap of bounding spheres, including those of existing particles. If
+  /// the request cannot be met, throws InputError and adds none; the message says how many would
+  /// fit, and why no more.
   template <Region R>
   Particles& fill(const R& region, const Fill& fill) {
     require_positive("Fill.density", fill.density, "kg/m3");

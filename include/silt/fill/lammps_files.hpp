@@ -16,7 +16,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Values of one particle as a file of LAMMPS has them.
+/// Values of one particle in a LAMMPS file.
 inline double positive(TextLines& lines, std::string_view what) {
   const auto before = lines.words();
   const double x = lines.real(what);
@@ -52,7 +52,7 @@ class LammpsDump {
       first = frames++ == 0 ? frame.step : first, last = frame.step;
       if (!timestep || frame.step == *timestep) chosen = frame;
       for (std::uint64_t k = 0; k < frame.atoms; ++k)
-        if (!lines_.next())  // words are made at the end alone: files are long
+        if (!lines_.next())  // messages are made only at the end: files are long
           lines_.need(text("atom ", k + 1, " of ", frame.atoms, " of time step ", frame.step));
     }
     if (!chosen)
@@ -64,7 +64,7 @@ class LammpsDump {
  private:
   struct Frame {
     std::uint64_t step = 0, atoms = 0;
-    std::array<std::array<double, 3>, 3> box{};  // as it stands there: low, high, tilt
+    std::array<std::array<double, 3>, 3> box{};  // as in the file: low, high, tilt
     bool has_box = false, is_tilted = false;
     TextLines at;  // the line ITEM: ATOMS
   };
@@ -98,7 +98,7 @@ class LammpsDump {
             side[static_cast<std::size_t>(k)] = lines_.real("a bound of the box");
         }
       } else if (line == "ITEM: TIMESTEP" || line.starts_with("ITEM: NUMBER OF ENTRIES")) {
-        lines_.fail(in_quotes(line), " stands where 'ITEM: ATOMS' must follow");
+        lines_.fail(in_quotes(line), " found where 'ITEM: ATOMS' must follow");
       }  // else ITEM: UNITS, ITEM: TIME and their values
     }
     if (!has_atoms) lines_.fail("'ITEM: NUMBER OF ATOMS' is missing before this line");
@@ -118,7 +118,7 @@ class LammpsDump {
     const std::size_t none = names.size();
     std::array<std::size_t, columns> where;
     where.fill(none);
-    // All three of the first kind that is there whole.
+    // All three of the first complete kind.
     const auto choose = [&](Column first,
                             std::initializer_list<std::array<std::string_view, 3>> kinds) {
       std::size_t kind = 0;
@@ -160,7 +160,7 @@ class LammpsDump {
       lines_.need("an atom");
       if (lines_.line().starts_with("ITEM:"))
         lines_.fail("only ", k, " of the ", frame.atoms, " atoms of time step ", frame.step,
-                    " stand before this line; the file is damaged");
+                    " precede this line; the file is damaged");
       for (std::size_t n = 0; n < none; ++n) {
         const Column c = kept[n];
         if (c == columns) {
@@ -189,10 +189,10 @@ class LammpsDump {
     return table;
   }
 
-  /// x = low + xs a + ys b + zs c; a tilted box has the bounds of its bounding box in the file.
+  /// x = low + xs a + ys b + zs c; for a tilted box the file has the bounds of its bounding box.
   static Vec3d unscaled(const Frame& frame, const Vec3d& s) {
     const auto& b = frame.box;
-    const double xy = b[0][2], xz = b[1][2], yz = b[2][2];  // [m] 0 where it is not tilted
+    const double xy = b[0][2], xz = b[1][2], yz = b[2][2];  // [m] 0 if it is not tilted
     const double x_low = b[0][0] - std::min({0.0, xy, xz, xy + xz});
     const double x_high = b[0][1] - std::max({0.0, xy, xz, xy + xz});
     const double y_low = b[1][0] - std::min(0.0, yz), y_high = b[1][1] - std::max(0.0, yz);
@@ -203,8 +203,8 @@ class LammpsDump {
   TextLines lines_;
 };
 
-/// A data file of LAMMPS or LIGGGHTS, atom_style sphere: sections Atoms and Velocities; all others
-/// and image flags are skipped.
+/// A data file of LAMMPS or LIGGGHTS, atom_style sphere: sections Atoms and Velocities; other
+/// sections and image flags are skipped.
 /// Format: LAMMPS documentation, page read_data.
 /// Tests:  tests/fill/particle_formats.cpp
 class LammpsData {
@@ -240,7 +240,7 @@ class LammpsData {
   }
   void end_of_line() {
     if (!lines_.words().empty())
-      lines_.fail("has ", in_quotes(lines_.words()), " behind its values");
+      lines_.fail("has ", in_quotes(lines_.words()), " after its values");
   }
 
   bool read_atoms() {
@@ -264,23 +264,23 @@ class LammpsData {
   }
   bool check_atoms(bool more) const {
     if (table_.size() != atoms_)
-      throw FileError(text(
-          lines_.file(), ", line ", lines_.number(), ": section 'Atoms' ends after ", table_.size(),
-          " atoms, but the header announces ", atoms_, " in its line 'N atoms'; mend one of them"));
+      throw FileError(text(lines_.file(), ", line ", lines_.number(),
+                           ": section 'Atoms' ends after ", table_.size(),
+                           " atoms, but the header announces ", atoms_,
+                           " in its line 'N atoms'; correct one of them"));
     return more;
   }
 
   bool read_velocities() {
-    if (table_.size() == 0) lines_.fail("'Velocities' stands before 'Atoms'; put it behind");
-    if (is_double_)
-      lines_.fail("ids of atoms are not unique, so that their velocities have no owner");
+    if (table_.size() == 0) lines_.fail("'Velocities' is before 'Atoms'; move it after");
+    if (is_double_) lines_.fail("ids of atoms are not unique; velocities cannot be assigned");
     table_.velocity.assign(table_.size(), {0, 0, 0});
     table_.angular_velocity.assign(table_.size(), {0, 0, 0});
     while (lines_.next()) {
       if (begins_section()) return true;
       const auto id = lines_.count("id");
       const auto found = place_.find(id);
-      if (found == place_.end()) lines_.fail("id ", id, " is none of the section 'Atoms'");
+      if (found == place_.end()) lines_.fail("id ", id, " is not in the section 'Atoms'");
       const double vx = lines_.real("vx"), vy = lines_.real("vy"), vz = lines_.real("vz");
       const double wx = lines_.real("wx"), wy = lines_.real("wy"), wz = lines_.real("wz");
       end_of_line();

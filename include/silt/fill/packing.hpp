@@ -18,21 +18,21 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A sphere that pack() has placed.
+/// A sphere placed by pack().
 struct PlacedSphere {
   Vec3d position;  // [m]
   double radius;   // [m]
 };
 
-/// Spheres that occupy space, sorted into cells so that a place can be asked for cheaply. Each
-/// factor of two in size has its own cells: a size ratio of 1:20 costs no more than 1:1.
+/// Spheres that occupy space, sorted into cells for fast overlap tests. Each factor of two in size
+/// has its own cells: a size ratio of 1:20 costs no more than 1:1.
 class SphereGrid {
  public:
   void insert(const PlacedSphere& sphere) {
     const auto& [position, radius] = sphere;
     require(is_finite(position) && std::isfinite(radius) && radius > 0, "a sphere of radius ",
             radius, " [m] at ", position,
-            " [m] cannot be in the way of others: both must be finite, the "
+            " [m] cannot be an obstacle: both must be finite, the "
             "radius greater than 0");
     auto& level = level_of(sphere.radius);
     if (level.heads.size() <= level.spheres.size()) level.rehash(2 * level.heads.size() + 64);
@@ -42,7 +42,7 @@ class SphereGrid {
     level.link(static_cast<std::uint32_t>(level.spheres.size() - 1));
   }
 
-  /// Whether a sphere here keeps at least `gap` [m] between its surface and all others.
+  /// Whether a sphere here has at least the distance `gap` [m] between its surface and all others.
   bool is_free(const Vec3d& centre, double radius, double gap = 0) const {
     return std::all_of(levels_.begin(), levels_.end(),
                        [&](const Level& level) { return level.is_free(centre, radius + gap); });
@@ -56,11 +56,11 @@ class SphereGrid {
     double cell = 0;     // [m]
     double largest = 0;  // radius [m]
     std::vector<PlacedSphere> spheres;
-    std::vector<std::uint32_t> next;   // per sphere: another one of the same hash, or none
-    std::vector<std::uint32_t> heads;  // per hash: a sphere, or none
+    std::vector<std::uint32_t> next;   // for each sphere: the next one with the same hash, or none
+    std::vector<std::uint32_t> heads;  // for each hash: a sphere, or none
 
     Cell cell_of(const Vec3d& p) const {
-      // the bound keeps the cast defined; it merges far cells, which costs time only
+      // The bound keeps the cast defined; it merges far cells, which only costs time.
       const auto along = [&](double x) {
         return static_cast<std::int64_t>(std::clamp(std::floor(x / cell), -1e15, 1e15));
       };
@@ -115,16 +115,16 @@ class SphereGrid {
   std::vector<Level> levels_;
 };
 
-/// One sphere for which a place is sought.
+/// One sphere to be placed.
 struct Placement {
   double radius;              // [m]
-  double gap = 0;             // [m] least distance to the surfaces of others
+  double gap = 0;             // [m] smallest distance to the surfaces of others
   std::size_t trials = 1000;  // [-] occupied places tried before giving up
 };
 
 namespace detail {
 
-/// Where the centre of a sphere can be inside `bounds`; a gap too narrow for it becomes its middle.
+/// Region of the centre of a sphere inside `bounds`; in a gap too narrow for it, its middle.
 inline Box room_for_centres(const Box& bounds, double radius) {
   Box room = bounds.grown(-radius);
   const Vec3d middle = bounds.centre();
@@ -136,10 +136,10 @@ inline Box room_for_centres(const Box& bounds, double radius) {
 
 }  // namespace detail
 
-/// A random free place for one sphere wholly inside `region`, uniform among the free places; none
-/// if `trials` places were occupied, or hardly any point of the region's bounds has room inside it.
-/// For an inlet: keep the spheres near the region in a SphereGrid, insert each one that is placed;
-/// anything with its is_free() will do.
+/// Random free place for one sphere completely inside `region`, uniform among the free places.
+/// Empty if `trials` places were occupied, or if almost no point of the region's bounds is far
+/// enough from its surface. For an inlet: keep the spheres near the region in a SphereGrid, and
+/// insert each sphere that is placed; any type with its is_free() is suitable.
 template <Region R, class Occupied>
 std::optional<Vec3d> try_place(const R& region, const Occupied& occupied, const Placement& sphere,
                                Random& random) {
@@ -148,7 +148,7 @@ std::optional<Vec3d> try_place(const R& region, const Occupied& occupied, const 
   const auto& place = region_of(region);
   const Box bounds = place.bounds();
   const Box room = detail::room_for_centres(bounds, sphere.radius);
-  // a slender region fills little of its bounds: points outside it do not count as trials
+  // A slender region fills little of its bounds: points outside it do not count as trials.
   const double per_trial = std::min(1e3, 10 * bounds.volume() / place.volume());
   const double draws = static_cast<double>(sphere.trials) * per_trial;
   std::size_t trials = 0;
@@ -159,7 +159,7 @@ std::optional<Vec3d> try_place(const R& region, const Occupied& occupied, const 
     centre.z = random.uniform(room.min.z, room.max.z);
     if (!occupied.is_free(centre, sphere.radius, sphere.gap))
       ++trials;
-    else if (place.fits(centre, sphere.radius))  // after the other: it can be costly
+    else if (place.fits(centre, sphere.radius))  // last, as it can be expensive
       return centre;
   }
   return std::nullopt;
@@ -167,40 +167,41 @@ std::optional<Vec3d> try_place(const R& region, const Occupied& occupied, const 
 
 enum class Arrangement { Random, Lattice };
 
-/// What to fill a region with. Give `count` or `solid_volume`, or neither for as many as fit.
+/// Request for a filling. Give `count` or `solid_volume`, or neither for as many as fit.
 ///
-/// Lattice: hexagonal close packing of the largest sphere drawn plus gap, spaced 5 % wider so that
-///   every sphere can be moved at random by what is free around it; filled from below (+z up), the
-///   sizes in random order. Of the six ways to lay the lattice along the axes it takes the one of
-///   most sites, so that layers one sphere thick work. Loose for wide distributions.
+/// Lattice: hexagonal close packing for the largest sphere drawn plus gap, with 5 % larger spacing;
+///   every sphere is displaced at random within its free space. Filled from below (+z up), with
+///   the sizes in random order. Of the six orientations of the lattice along the axes it uses the
+///   one with most sites, which suits layers one sphere thick. Loose for wide distributions.
 /// Random: random sequential addition, the largest first (in the order drawn if as many as fit are
-///   wanted, so that the sizes keep their law), until `trials` places in a row were occupied.
+///   requested, which preserves the size distribution), until `trials` places in a row were
+///   occupied.
 ///
 /// Solid fraction that fits into a box of 30 mean diameters (in brackets: of 10):
 ///   radii                   one size      uniform 0.8 to 1.2   uniform 1:5    spheres per second
 ///   Lattice                 0.59 (0.52)   0.35 (0.29)          0.17 (0.14)    7e6
 ///   Random, 10 000 trials   0.31 (0.29)   0.38 (0.37)          0.47 (0.44)    3e4 near its limit
-/// One size reaches 0.64 far from walls on the lattice, and 0.384 by random addition at best.
+/// One size reaches 0.64 far from walls on the lattice, and at most 0.384 by random addition.
 ///
-/// Lattice is the default: its time grows with the count alone, it never gives up before its sites
+/// Lattice is the default: its time is proportional to the count, it never stops before its sites
 /// are used, and beds of nearly one size start close to their settled height. Spheres of exactly
-/// one size keep part of its order as they settle; where that matters, take Random or spread the
+/// one size keep part of its order as they settle; if this is a problem, use Random or vary the
 /// sizes by some per cent.
 struct FillRequest {
   SizeDistribution radius;  // [m]
-  std::size_t count = 0;    // [-] how many; 0: not used
+  std::size_t count = 0;    // [-] number of spheres; 0: not used
   double solid_volume = 0;  // [m3] of all spheres; 0: not used
   Arrangement arrangement = Arrangement::Lattice;
-  double gap = 0;              // [m] least distance between surfaces of spheres
+  double gap = 0;              // [m] smallest distance between surfaces of spheres
   std::uint64_t seed = 1;      // same seed, same spheres
   std::size_t trials = 10000;  // [-] Random: failed trials before it stops
 };
 
-/// What pack() has placed of what was asked for.
+/// Result of pack().
 struct FillResult {
   std::vector<PlacedSphere> spheres;
-  std::size_t requested = 0;  // [-] spheres asked for (drawn, if a solid volume was given)
-  std::string why_not_more;   // a sentence; empty if all asked for were placed
+  std::size_t requested = 0;  // [-] requested spheres (drawn, for a given solid volume)
+  std::string why_not_more;   // a sentence; empty if the request was met
 };
 
 namespace detail {
@@ -224,8 +225,8 @@ void check(const R& place, const FillRequest& request) {
           " [m3] is less than the smallest sphere, of ", least, " m3");
 }
 
-/// The radii to place, in random order; never much more than the volume of the region, however
-/// much was asked for.
+/// Radii to place, in random order; their volume does not exceed that of the region by much,
+/// whatever was requested.
 inline std::vector<double> draw_radii(const FillRequest& request, double region_volume,
                                       Random& random) {
   const bool by_volume = request.solid_volume > 0;
@@ -233,7 +234,7 @@ inline std::vector<double> draw_radii(const FillRequest& request, double region_
   std::vector<double> radii;
   for (double sum = 0; sum < wanted && (request.count == 0 || radii.size() < request.count);) {
     const double radius = request.radius.sample(random), volume = sphere_volume(radius);
-    // stop at the side of the wanted volume that is nearer
+    // Stops on the side of the requested volume that is nearer.
     if (by_volume && !radii.empty() && sum + volume - wanted > wanted - sum) break;
     sum += volume;
     radii.push_back(radius);
@@ -242,11 +243,11 @@ inline std::vector<double> draw_radii(const FillRequest& request, double region_
 }
 
 /// Hexagonal close packing of points at least `spacing` apart in the box `room`, stretched sideways
-/// to reach its walls. Points have integer coordinates: units of spacing times 1/2 along a row,
-/// sqrt(3)/6 from row to row (3 a row), sqrt(2/3) from layer to layer.
+/// to its walls. Points have integer coordinates in units of spacing times 1/2 along a row,
+/// sqrt(3)/6 from row to row (3 per row), sqrt(2/3) from layer to layer.
 struct HexagonalLattice {
-  std::array<int, 3> axis{};           // the axes (0 x, 1 y, 2 z) of row, step and stack
-  std::array<std::int64_t, 3> last{};  // greatest integer coordinate along x, y, z
+  std::array<int, 3> axis{};           // axes (0 x, 1 y, 2 z) of row, step and stack
+  std::array<std::int64_t, 3> last{};  // largest integer coordinate along x, y, z
   std::array<double, 3> start{}, unit{};
 
   HexagonalLattice(const Box& room, double spacing) {
@@ -289,7 +290,8 @@ struct HexagonalLattice {
   }
 
  private:
-  /// Layers A B A B ..., a B layer lies one unit of `step` and one of `row` beside an A layer.
+  /// Layers A B A B ...; a B layer is displaced by one unit of `step` and one of `row` from an A
+  /// layer.
   static bool is_point(std::int64_t row, std::int64_t step, std::int64_t stack) {
     const std::int64_t shift = stack % 2;
     return (step - shift) % 3 == 0 && (row - (step - shift) / 3 - shift) % 2 == 0;
@@ -303,7 +305,7 @@ struct HexagonalLattice {
   }
 };
 
-/// A point of the ball of `radius` around the origin, uniformly distributed.
+/// Random point of the ball of `radius` around the origin, uniformly distributed.
 inline Vec3d point_in_ball(double radius, Random& random) {
   for (;;) {
     Vec3d p;
@@ -323,7 +325,7 @@ std::vector<PlacedSphere> pack_lattice(const R& place, const FillRequest& reques
   std::vector<PlacedSphere> placed;
   lattice.for_each([&](const Vec3d& site) {
     const double radius = radii[placed.size()];
-    // two neighbours that come closer by this much each still keep the gap (0.999: rounding)
+    // Two neighbours that approach by this each still keep the gap (0.999: rounding).
     const double free = 0.999 * ((spacing - request.gap) / 2 - radius);
     for (int trial = 0; trial < 8; ++trial) {
       const Vec3d centre = trial == 7 ? site : site + point_in_ball(free, random);
@@ -351,13 +353,13 @@ std::vector<PlacedSphere> pack_random(const R& place, const FillRequest& request
   return placed;
 }
 
-/// Four significant digits of x > 0, for sentences.
+/// Four significant digits of x > 0, for messages.
 inline double rounded(double x) {
   const double scale = std::pow(10.0, 3 - std::floor(std::log10(x)));
   return std::round(x * scale) / scale;
 }
 
-/// The sentence for a request of which only a part was placed; `next` is the radius that was not.
+/// Message for a request that was only partly met; `next` is the first radius not placed.
 template <class R>
 [[gnu::cold]] std::string why_not_more(const R& place, const FillRequest& request,
                                        const FillResult& result, double next, double spacing) {
@@ -384,10 +386,10 @@ template <class R>
 
 }  // namespace detail
 
-/// Places spheres wholly inside `region`, without overlap among themselves or with those `already`
-/// there. Never places one that does not fit: if fewer fit than asked for, `why_not_more` says why,
-/// and the caller decides whether that is an error.
-/// Errors: InputError naming the field for values that make no sense.
+/// Places spheres completely inside `region`, without overlap among themselves or with the existing
+/// ones, `already`. Never places one that does not fit: if fewer fit than requested, `why_not_more`
+/// gives the reason, and the caller decides whether that is an error.
+/// Errors: InputError naming the field for invalid values.
 template <Region R>
 FillResult pack(const R& region, const FillRequest& request,
                 std::span<const PlacedSphere> already = {}) {
@@ -400,7 +402,7 @@ FillResult pack(const R& region, const FillRequest& request,
 
   const bool all_that_fit = request.count == 0 && request.solid_volume == 0;
   const double largest = *std::max_element(radii.begin(), radii.end());
-  const double spacing = 1.05 * (2 * largest + request.gap);  // [m] between sites of the lattice
+  const double spacing = 1.05 * (2 * largest + request.gap);  // [m] between lattice sites
   FillResult result;
   if (request.arrangement == Arrangement::Lattice) {
     result.spheres = detail::pack_lattice(place, request, radii, spacing, occupied, random);
@@ -412,7 +414,7 @@ FillResult pack(const R& region, const FillRequest& request,
   if (request.count > 0) {
     result.requested = request.count;
   } else if (all_that_fit) {
-    result.requested = std::max<std::size_t>(placed, 1);  // none at all is worth a sentence
+    result.requested = std::max<std::size_t>(placed, 1);  // none at all also needs a message
   } else if (request.solid_volume <= place.volume()) {
     result.requested = radii.size();
   } else {  // not all were drawn

@@ -16,8 +16,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Particles as read from or written to a text table. Position and radius have one entry a
-/// particle, the others too, or none where the file has no such columns.
+/// Particles read from or written to a text table. Position and radius have one entry per particle;
+/// other columns too, or none if the file has no such column.
 struct ParticleTable {
   std::vector<Vec3d> position;          // [m]
   std::vector<double> radius;           // [m]
@@ -30,7 +30,7 @@ struct ParticleTable {
 
 namespace detail {
 
-/// Reads one table; holds where it is, so that every refusal can name file, line and column.
+/// Reads one table; knows its position, which every refusal reports as file, line and column.
 class ParticleReader {
  public:
   ParticleReader(const std::string& path, std::string_view content) : path_(path), rest_(content) {}
@@ -47,7 +47,7 @@ class ParticleReader {
       append(table, row);
     }
     if (table.size() == 0)
-      throw FileError(text("file '", path_, "' names its columns but holds no particle"));
+      throw FileError(text("file '", path_, "' has a header but no particles"));
     return table;
   }
 
@@ -80,7 +80,7 @@ class ParticleReader {
     throw FileError(text("file '", path_, "', line ", line_number_, ": ", parts...));
   }
 
-  /// The next line that holds more than white space and comment.
+  /// Next line that is not blank or only a comment.
   bool next_line(std::string_view& line) {
     while (!rest_.empty()) {
       const auto end = std::min(rest_.find('\n'), rest_.size());
@@ -116,8 +116,8 @@ class ParticleReader {
     while (next_value(line, name)) {
       const auto known = std::find(column_names.begin(), column_names.end(), name);
       if (known == column_names.end())
-        fail(in_quotes(name), " is no column name; the first line that is no comment must be one ",
-             expected);
+        fail(in_quotes(name),
+             " is not a column name; the first line that is not a comment must be one ", expected);
       const auto column = static_cast<Column>(known - column_names.begin());
       if (has_[column]) fail("column '", name, "' is named twice");
       has_[column] = true;
@@ -170,11 +170,11 @@ class ParticleReader {
   std::string_view rest_;
   std::size_t line_number_ = 0;
   char separator_ = 0;           // 0: white space
-  std::vector<Column> columns_;  // as they stand in the file
+  std::vector<Column> columns_;  // in the order of the file
   std::array<bool, column_count> has_{};
 };
 
-/// Throws unless `column` has one good value a particle, or none where it may be left out.
+/// InputError unless `column` has one valid value per particle, or none if it is optional.
 template <class Value, class Good>
 void require_column(std::string_view name, const std::vector<Value>& column, std::size_t particles,
                     bool may_be_empty, Good good, std::string_view what_is_good) {
@@ -191,7 +191,7 @@ inline void require_writable(const ParticleTable& t) {
   const auto finite = [](const Vec3d& v) { return is_finite(v); };
   const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
   const std::size_t n = t.size();
-  require(n > 0, "ParticleTable holds no particle to write");
+  require(n > 0, "ParticleTable has no particles to write");
   require_column("position", t.position, n, false, finite, "finite");
   require_column("radius", t.radius, n, false, positive, "finite and greater than 0");
   require_column("density", t.density, n, true, positive, "finite and greater than 0");
@@ -205,20 +205,20 @@ inline void require_writable(const ParticleTable& t) {
 
 /// Reads a text table of particles. The first line names the columns, in any order: x y z [m],
 /// radius or diameter [m], and optionally density [kg/m3], vx vy vz [m/s], wx wy wz [rad/s],
-/// material [-] (a number from 0). Values are separated by commas or semicolons, if the first line
+/// material [-] (a number from 0). Values are separated by commas or semicolons if the first line
 /// has any, else by white space; `#` starts a comment; the decimal sign is a point in every locale.
-/// Errors: FileError with file, line and column: missing or empty file, unknown, missing or
-/// repeated column, wrong number of values, no number, not finite, radius or density not greater
-/// than 0.
+/// Errors: FileError with file, line and column: missing or empty file; unknown, missing or
+///         repeated column; wrong number of values; not a number; not finite; radius or density not
+///         greater than 0.
 inline ParticleTable read_particle_file(const std::string& path) {
   const std::string content = detail::read_text(path);
   return detail::ParticleReader(path, content).read();
 }
 
-/// Writes a table that read_particle_file reads back exactly, bit for bit. The file appears whole
-/// or not at all.
-/// Errors: InputError for an empty table, columns of different lengths or values that
-/// could not be read back, FileError with the system's reason.
+/// Writes a table that read_particle_file reads back exactly, bit for bit. The file is complete or
+/// absent.
+/// Errors: InputError for an empty table, columns of different lengths or values that could not be
+///         read back; FileError with the system's reason.
 inline void write_particle_file(const std::string& path, const ParticleTable& table) {
   detail::require_writable(table);
   AtomicFile file(path);

@@ -14,13 +14,13 @@ namespace silt::inline SILT_TARGET {
 
 enum class ParticleFormat { ByContent, Table, LammpsDump, LammpsData, Yade };
 
-/// How Particles::read takes a file, all of it optional. Lengths and velocities are multiplied by
-/// `scale`, densities by mass_scale/scale^3; times are in seconds.
+/// Options of Particles::read. Lengths and velocities are multiplied by `scale`, densities by
+/// mass_scale/scale^3; times are in seconds.
 struct ParticleFile {
-  double density = 0;                                 // [kg/m3] where the file has none
-  std::size_t material = 0;                           // [-] where the file has none
-  double scale = 1;                                   // [m] that one of the file's lengths is
-  double mass_scale = 1;                              // [kg] that one of the file's masses is
+  double density = 0;                                 // [kg/m3] if the file has none
+  std::size_t material = 0;                           // [-] if the file has none
+  double scale = 1;                                   // [m] per length unit of the file
+  double mass_scale = 1;                              // [kg] per mass unit of the file
   std::optional<std::uint64_t> timestep = {};         // of a dump; left out: its last frame
   bool types = true;                                  // type n is material n - 1; or `material`
   ParticleFormat format = ParticleFormat::ByContent;  // recognised, or given
@@ -28,7 +28,7 @@ struct ParticleFile {
 
 namespace detail {
 
-/// Spheres as Yade's export.text and export.textExt write them: x y z r, and what may follow.
+/// Spheres as written by Yade's export.text and export.textExt: x y z r, and optional attributes.
 /// Format: documentation of Yade, module yade.export: x_y_z_r, x_y_z_r_matId, x_y_z_r_attrs.
 inline ParticleTable read_yade(const std::string& path, std::string_view content) {
   TextLines lines(text("Yade file '", path, "'"), content);
@@ -38,7 +38,7 @@ inline ParticleTable read_yade(const std::string& path, std::string_view content
     const bool more = lines.next();
     if (!more) break;
     if (table.size() == 0) {
-      // What the comments before the first sphere say.
+      // Content of the comments before the first sphere.
       auto before =
           content.substr(0, static_cast<std::size_t>(lines.line().data() - content.data()));
       if (const auto at = before.find("format "); at != before.npos) {
@@ -58,11 +58,11 @@ inline ParticleTable read_yade(const std::string& path, std::string_view content
     if (material > 4294967295u) lines.fail("matId: ", material, " is too large");
     table.material.push_back(static_cast<std::uint32_t>(material));
   }
-  if (table.size() == 0) throw FileError(text(lines.file(), " holds no sphere"));
+  if (table.size() == 0) throw FileError(text(lines.file(), " has no spheres"));
   return table;
 }
 
-/// By what the file begins with; a table with a header line is what remains.
+/// By the first bytes of the file; otherwise a table with a header line.
 inline ParticleFormat particle_format_of(std::string_view content) {
   TextLines all("", content, 0), values("", content);
   if (!all.next()) return ParticleFormat::Table;
@@ -77,7 +77,7 @@ inline ParticleFormat particle_format_of(std::string_view content) {
     const bool named = first == "format" || (first == "x" && words.starts_with("y z r"));
     if (named && values.next() && is_value(values.line())) return ParticleFormat::Yade;
   }
-  // A header of LAMMPS: lines of numbers that end in words, among them 'N atoms'.
+  // A header of LAMMPS: lines of numbers followed by words, one of them 'N atoms'.
   TextLines header("", content);
   header.skip();
   while (header.next() && is_value(header.line())) {
@@ -92,7 +92,7 @@ inline ParticleFormat particle_format_of(std::string_view content) {
 /// The particles of a file in SI units: a table with a header line (particle_file.hpp), a dump or
 /// a data file of LAMMPS or LIGGGHTS (lammps_files.hpp), or spheres exported by Yade.
 /// Errors: InputError for scales that are not positive; FileError with file and line, what is wrong
-/// and what to change.
+///         and what to change.
 /// Tests:  tests/fill/particle_formats.cpp
 inline ParticleTable read_particles(const std::string& path, const ParticleFile& how = {}) {
   require_positive("ParticleFile.scale", how.scale, "m per file unit");
@@ -101,8 +101,8 @@ inline ParticleTable read_particles(const std::string& path, const ParticleFile&
   const auto format =
       how.format == ParticleFormat::ByContent ? detail::particle_format_of(content) : how.format;
   require(!how.timestep || format == ParticleFormat::LammpsDump,
-          "ParticleFile.timestep = ", how.timestep.value_or(0), " is of dumps alone, but '", path,
-          "' is none; leave it out");
+          "ParticleFile.timestep = ", how.timestep.value_or(0), " applies to dumps only, but '",
+          path, "' is not a dump; leave it out");
   ParticleTable t =
       format == ParticleFormat::LammpsDump   ? detail::LammpsDump(path, content).read(how.timestep)
       : format == ParticleFormat::LammpsData ? detail::LammpsData(path, content).read()

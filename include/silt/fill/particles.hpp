@@ -15,23 +15,23 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What to fill a region with. Give `count` or `solid_volume`, or neither for as many as fit.
+/// Request for a filling. Give `count` or `solid_volume`, or neither for as many as fit.
 struct Fill {
-  SizeDistribution radius;  // [m] of spheres; of bodies that of their bounding sphere
+  SizeDistribution radius;  // [m] of spheres; for bodies: of the bounding sphere
   double density;           // [kg/m3]
-  std::size_t count = 0;    // [-] how many; 0: not used
+  std::size_t count = 0;    // [-] number of particles; 0: not used
   double solid_volume = 0;  // [m3] of all spheres; 0: not used
   Arrangement arrangement = Arrangement::Lattice;
-  double gap = 0;            // [m] least distance between surfaces
+  double gap = 0;            // [m] smallest distance between surfaces
   std::uint64_t seed = 1;    // same seed, same spheres
   Vec3d velocity{0, 0, 0};   // [m/s] of each
   std::size_t material = 0;  // [-] index in the contacts' table
 
   std::size_t trials = 10000;  // [-] Arrangement::Random: failed trials before it stops
 
-  // Of bodies alone.
-  std::size_t form = 0;                        // [-] which of the particles' forms
-  std::optional<Quaternion> orientation = {};  // of each; left out: random
+  // Only for bodies.
+  std::size_t form = 0;                        // [-] number of the form
+  std::optional<Quaternion> orientation = {};  // of all bodies; left out: random
 
   FillRequest request() const {
     return {radius, count, solid_volume, arrangement, gap, seed, trials};
@@ -40,7 +40,7 @@ struct Fill {
 
 namespace detail {
 
-/// What particles of all shapes have to have.
+/// Checks common to particles of all shapes.
 template <class P>
 void check_state(const P& p, std::size_t number) {
   require(is_finite(p.position), "particle ", number, ": position = ", p.position,
@@ -55,13 +55,13 @@ void check_state(const P& p, std::size_t number) {
 
 }  // namespace detail
 
-/// The particles that a simulation starts with.
+/// Initial particles of a simulation.
 ///
 ///   silt::Particles<silt::Sphere> beads;
 ///   beads.fill({.min = {0, 0, 0}, .max = {0.1, 0.1, 0.2}},
 ///              {.radius = silt::uniform(1e-3, 2e-3), .density = 2500, .count = 10000});
 ///   beads.add({.position = {0, 0, 0.3}, .radius = 5e-3, .density = 7800});
-/// Errors: InputError naming the particle's number, the value, its unit and what is allowed.
+/// Errors: InputError with the particle's number, the value, its unit and the allowed range.
 template <class S>
 class Particles {
   static_assert(Shape<S>, "Particles<S>: S must be a shape (silt/shape/concept.hpp)");
@@ -75,7 +75,7 @@ class Particles {
     Vec3d velocity{0, 0, 0};          // [m/s]
     Vec3d angular_velocity{0, 0, 0};  // [rad/s]
     std::size_t material = 0;         // [-] index in the contacts' table
-    bool fixed = false;               // keeps its velocity whatever acts on it
+    bool fixed = false;               // keeps its velocity under any load
   };
 
   Particles& add(const Particle& p) {
@@ -83,20 +83,20 @@ class Particles {
     all_.push_back(p);
     return *this;
   }
-  /// Refuses what no simulation can start with; a Simulation asks again, as [] may have changed it.
+  /// Refuses an invalid initial state. A Simulation checks again, as [] may have changed it.
   static void check(const Particle& p, std::size_t number) {
     detail::check_state(p, number);
     require(std::isfinite(p.radius) && p.radius > 0, "particle ", number, ": radius = ", p.radius,
             " [m] must be finite and greater than 0");
   }
 
-  /// Fills a region without overlap, also with the particles there already. Throws InputError and
-  /// adds none if what was asked for does not fit; says how many would have, and why no more.
+  /// Fills a region without overlap, including existing particles. If the request cannot be met,
+  /// throws InputError and adds none; the message says how many would fit, and why no more.
   template <Region R>
   Particles& fill(const R& region, const Fill& fill) {
     require_positive("Fill.density", fill.density, "kg/m3");
     require(fill.form == 0 && !fill.orientation,
-            "Fill: spheres have no form and no orientation; leave both out");
+            "Fill: spheres have neither form nor orientation; leave both out");
     require(is_finite(fill.velocity), "Fill.velocity = ", fill.velocity, " [m/s] must be finite");
     std::vector<PlacedSphere> already;
     for (const auto& p : all_) already.push_back({p.position, p.radius});

@@ -17,8 +17,8 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// What rounding can add to a sum of coordinates of this size [m]: a sphere that touches the wall
-/// of its region counts as inside.
+/// Possible rounding of a sum of coordinates of this size [m]: a sphere that touches the wall of
+/// its region counts as inside.
 inline double rounding(const Vec3d& p, double radius) {
   const double size = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) + radius;
   return 8 * std::numeric_limits<double>::epsilon() * size;
@@ -26,7 +26,7 @@ inline double rounding(const Vec3d& p, double radius) {
 
 }  // namespace detail
 
-/// The inside of a box. A plain `Box` is a region too (see `region_of`).
+/// Inside of a box. A plain `Box` is a region too (see `region_of`).
 struct BoxRegion {
   Box box;
 
@@ -38,13 +38,13 @@ struct BoxRegion {
   std::string describe() const { return text("the box from ", box.min, " to ", box.max, " m"); }
 };
 
-/// The inside of a cylinder between the centres of its two end faces.
+/// Inside of a cylinder between the centres of its two end faces.
 struct CylinderRegion {
   Vec3d from, to;  // [m]
   double radius;   // [m]
 
   Box bounds() const {
-    // a disc of radius R with normal n reaches R sqrt(1 - n_x^2) along x
+    // A disc of radius R with normal n reaches R sqrt(1 - n_x^2) along x.
     const Vec3d n = normalised(to - from);
     const auto reach = [&](double n_k) { return radius * std::sqrt(std::max(0.0, 1 - n_k * n_k)); };
     const Vec3d disc{reach(n.x), reach(n.y), reach(n.z)};
@@ -65,17 +65,16 @@ struct CylinderRegion {
   }
 };
 
-/// The inside of a closed triangle mesh, which must outlive the region. `Mesh` has
-/// `contains(point)`, `bounds()`, `volume()`, `is_closed()` and `triangles_near(centre, reach,
-/// out)` (TriangleMesh, boundary/triangle_mesh.hpp). Threads: one region a thread; it remembers
-/// what it found out about the mesh.
+/// Inside of a closed triangle mesh, which must outlive the region. `Mesh` has `contains(point)`,
+/// `bounds()`, `volume()`, `is_closed()` and `triangles_near(centre, reach, out)` (TriangleMesh,
+/// boundary/triangle_mesh.hpp). Threads: one region per thread, as it caches results.
 template <class Mesh>
 class MeshRegion {
  public:
   explicit MeshRegion(const Mesh& mesh)
       : mesh_(&mesh), bounds_(mesh.bounds()), volume_(std::abs(mesh.volume())) {
     require(mesh.is_closed(), describe(),
-            " has gaps, so that it has no inside to fill; close them, "
+            " has gaps and no inside to fill; close them, "
             "or fill a box or a cylinder");
   }
   explicit MeshRegion(const Mesh&&) = delete;
@@ -90,8 +89,8 @@ class MeshRegion {
   }
 
  private:
-  /// A ball that no triangle cuts: all of it lies on one side of the surface, as does every other
-  /// such ball that meets it.
+  /// A ball that no triangle cuts: it is completely on one side of the surface, as is every other
+  /// such ball that overlaps it.
   struct Ball {
     Vec3d centre;   // [m]
     double radius;  // [m]
@@ -102,7 +101,7 @@ class MeshRegion {
     mesh_->triangles_near(centre, radius, touched_);
     return touched_.empty();
   }
-  /// `contains` looks at every triangle: it is asked only where no remembered ball has the answer.
+  /// `contains` tests every triangle: it is called only if no cached ball has the answer.
   bool inside(Ball ball) const {
     for (const auto& known : known_) {
       const Vec3d d = known.centre - ball.centre;
@@ -128,7 +127,7 @@ class MeshRegion {
   mutable std::size_t oldest_ = 0;
 };
 
-/// The region that `r` stands for: a Box means its inside, all else stands for itself.
+/// The region for `r`: a Box means its inside, other types are regions themselves.
 template <class R>
 const R& region_of(const R& r) {
   return r;

@@ -15,14 +15,14 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The volume of a sphere of `radius` [m], in [m3].
+/// Volume of a sphere of `radius` [m], in [m3].
 inline double sphere_volume(double radius) {
   return 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
 }
 
 namespace detail {
 
-/// [m] of the sphere of this volume [m3].
+/// [m] diameter of the sphere of this volume [m3].
 inline double equal_volume_diameter(double volume) {
   return std::cbrt(6 / std::numbers::pi * volume);
 }
@@ -33,12 +33,12 @@ struct UniformSizes {
 };
 
 inline double normal_probability(double lower, double upper) {
-  // from the side where the two numbers are small, so that their difference keeps its digits
+  // From the side where the two numbers are small, to avoid cancellation.
   return lower > 0 ? normal_probability_below(-lower) - normal_probability_below(-upper)
                    : normal_probability_below(upper) - normal_probability_below(lower);
 }
 
-/// A standard normal variable Z given that lower <= Z <= upper; drawn by inversion.
+/// Standard normal variable Z conditioned on lower <= Z <= upper; drawn by inversion.
 struct TruncatedNormal {
   double lower, upper;
   double below = normal_probability_below(lower);
@@ -64,7 +64,7 @@ struct LogNormalSizes {
 
 struct SizeClasses {
   std::vector<double> radius;  // [m]
-  std::vector<double> up_to;   // fraction by number of this class and those before it
+  std::vector<double> up_to;   // cumulative fraction by number up to this class
   double sample(Random& random) const {
     const auto at = std::upper_bound(up_to.begin(), up_to.end(), random.uniform());
     return radius[std::min<std::size_t>(at - up_to.begin(), radius.size() - 1)];
@@ -73,8 +73,8 @@ struct SizeClasses {
 
 }  // namespace detail
 
-/// The law from which the radii of spheres are drawn, by number. A single double is one size.
-/// Made by `uniform`, `normal`, `log_normal` and `table` below; sizes are radii [m] throughout.
+/// Distribution of sphere radii, by number. A single double is one size. Made by `uniform`,
+/// `normal`, `log_normal` and `table` below; sizes are radii [m] throughout.
 class SizeDistribution {
  public:
   using Law = std::variant<detail::UniformSizes, detail::NormalSizes, detail::LogNormalSizes,
@@ -90,14 +90,14 @@ class SizeDistribution {
   SizeDistribution(OneLaw law, double min, double max, double mean_cube)
       : law_(std::move(law)), min_(min), max_(max), mean_cube_(mean_cube) {}
 
-  /// A radius [m], never outside [min(), max()].
+  /// A random radius [m], never outside [min(), max()].
   double sample(Random& random) const {
     const double radius = std::visit([&](const auto& law) { return law.sample(random); }, law_);
-    return std::clamp(radius, min_, max_);  // rounding alone can leave the interval
+    return std::clamp(radius, min_, max_);  // only rounding can leave the interval
   }
   double min() const { return min_; }  // [m]
   double max() const { return max_; }  // [m]
-  /// The mean volume of a sphere [m3], by number: n spheres have the volume n * mean_volume().
+  /// Mean volume of a sphere [m3], by number: n spheres have the volume n * mean_volume().
   double mean_volume() const { return 4.0 / 3.0 * std::numbers::pi * mean_cube_; }
 
  private:
@@ -125,22 +125,23 @@ inline TruncatedNormal truncated(std::string_view law, double lower, double uppe
 
 }  // namespace detail
 
-/// Every radius between `r_min` and `r_max` [m] is equally likely (by number, not by mass).
+/// Uniform distribution of the radius between `r_min` and `r_max` [m] (by number, not by mass).
 inline SizeDistribution uniform(double r_min, double r_max) {
   detail::require_size_range("uniform", r_min, r_max);
   const double mean_cube = 0.25 * (r_min + r_max) * (r_min * r_min + r_max * r_max);
   return {detail::UniformSizes{r_min, r_max}, r_min, r_max, mean_cube};
 }
 
-/// The normal law of the radius, by number, cut to [r_min, r_max]: `mean` and `standard_deviation`
-/// [m] are those of the law before the cut.
+/// Normal distribution of the radius, by number, truncated to [r_min, r_max]: `mean` and
+/// `standard_deviation` [m] are those before truncation.
 inline SizeDistribution normal(double mean, double standard_deviation, double r_min, double r_max) {
   require_positive("normal: mean", mean, "m");
   require_positive("normal: standard_deviation", standard_deviation, "m");
   detail::require_size_range("normal", r_min, r_max);
   const double m = mean, s = standard_deviation, a = (r_min - m) / s, b = (r_max - m) / s;
   const auto z = detail::truncated("normal", a, b, r_min, r_max);
-  // moments E[Z^k] of the truncated law: E[Z^k] = (k - 1) E[Z^(k-2)] + [-z^(k-1) density]_a^b
+  // Moments E[Z^k] of the truncated distribution: E[Z^k] = (k - 1) E[Z^(k-2)] + [-z^(k-1)
+  // density]_a^b.
   const auto density = [&](double x) {
     return std::exp(-0.5 * x * x) / (std::sqrt(2 * std::numbers::pi) * z.inside);
   };
@@ -150,35 +151,35 @@ inline SizeDistribution normal(double mean, double standard_deviation, double r_
   return {detail::NormalSizes{m, s, z}, r_min, r_max, mean_cube};
 }
 
-/// The logarithm of the radius is normal, by number, cut to [r_min, r_max]. `median` [m] and
-/// `geometric_standard_deviation` [-] (d84/d50 of the number distribution) are those before the
-/// cut.
+/// Log-normal distribution of the radius, by number, truncated to [r_min, r_max]. `median` [m] and
+/// `geometric_standard_deviation` [-] (d84/d50 of the number distribution) are those before
+/// truncation.
 inline SizeDistribution log_normal(double median, double geometric_standard_deviation, double r_min,
                                    double r_max) {
   require_positive("log_normal: median", median, "m");
   require(std::isfinite(geometric_standard_deviation) && geometric_standard_deviation > 1,
           "log_normal: geometric_standard_deviation = ", geometric_standard_deviation,
-          " [-] must be finite and greater than 1 (for one size give the radius alone)");
+          " [-] must be finite and greater than 1 (for a single size give only the radius)");
   detail::require_size_range("log_normal", r_min, r_max);
   const double s = std::log(geometric_standard_deviation);
   const double a = std::log(r_min / median) / s, b = std::log(r_max / median) / s;
   const auto z = detail::truncated("log_normal", a, b, r_min, r_max);
-  // weighting by r^3 shifts the law by 3 s
+  // Weighting by r^3 shifts the distribution by 3 s.
   const double mean_cube = median * median * median * std::exp(4.5 * s * s) *
                            detail::normal_probability(a - 3 * s, b - 3 * s) / z.inside;
   return {detail::LogNormalSizes{std::log(median), s, z}, r_min, r_max, mean_cube};
 }
 
-/// Whether fractions count spheres, or their mass (all of one density).
+/// Whether fractions are by number or by mass (all of one density).
 enum class By { Number, Mass };
 
-/// A radius and its share, of table().
+/// A radius and its fraction, for table().
 struct SizeClass {
   double radius;    // [m]
   double fraction;  // [-]
 };
 
-/// A few sizes with their fractions, which must sum to 1 within 1e-6 (the rest is divided out):
+/// Discrete sizes with their fractions, which must sum to 1 within 1e-6 (and are then normalised):
 /// `table({{1e-3, 0.7}, {2e-3, 0.3}}, By::Mass)`. A class of fraction 0 is left out.
 inline SizeDistribution table(const std::vector<SizeClass>& classes, By by) {
   double sum = 0, number = 0;

@@ -21,17 +21,18 @@ namespace silt::inline SILT_TARGET {
 struct FlowWall {
   Surfaces surfaces;
   Motion motion{};  // empty: at rest
-  /// Where the fluid is, of meshes: inside closed ones, or outside; normals of open ones
-  /// (right-hand rule) point outside. Planes, cylinders and cones say it themselves.
+  /// Side of a mesh with the fluid: inside or outside closed meshes; normals of open ones
+  /// (right-hand rule) point outside. Planes, cylinders and cones have a side of their own.
   Side fluid = Side::Inside;
 };
 
 namespace detail {
 
-/// Signed distance to a mesh. Inside a closed mesh is what it encloses, whichever way its triangles
-/// turn. Of an open one the sign is that of the pseudonormal at the nearest point (the sum of its
-/// triangles' normals, at a corner by their angles), which is right wherever that point is no rim:
-/// J. A. Baerentzen, H. Aanaes, IEEE Trans. Vis. Comput. Graph. 11 (2005) 243.
+/// Signed distance to a mesh. For a closed mesh the sign is that of the enclosed volume, for either
+/// orientation of the triangles. For an open one it is that of the pseudonormal at the nearest
+/// point (the sum of its triangles' normals, weighted by angle at a vertex), which is right
+/// wherever that point is not on a rim: J. A. Baerentzen, H. Aanaes, IEEE Trans. Vis. Comput.
+/// Graph. 11 (2005) 243.
 class MeshDistance {
  public:
   MeshDistance(std::shared_ptr<const TriangleMesh> mesh, Side fluid)
@@ -68,14 +69,14 @@ class MeshDistance {
     for (std::uint32_t e = 0; e < edges; ++e) {
       const auto sharing = topology.triangles_at_edge[e];
       const auto& edge = topology.edges[e];
-      require(
-          sharing.size() <= 2 &&
-              (sharing.size() == 1 || runs(sharing[0], edge) != runs(sharing[1], edge)),
-          "boundary_of: the mesh is open, and at its edge from ", mesh_->vertices()[edge.from],
-          " to ", mesh_->vertices()[edge.to], " [m] ",
-          sharing.size() > 2 ? "more than two triangles meet"
-                             : "two triangles turn opposite ways round",
-          ", so that its sides cannot be told apart; close it, or turn all triangles the same way");
+      require(sharing.size() <= 2 &&
+                  (sharing.size() == 1 || runs(sharing[0], edge) != runs(sharing[1], edge)),
+              "boundary_of: the mesh is open, and at its edge from ", mesh_->vertices()[edge.from],
+              " to ", mesh_->vertices()[edge.to], " [m] ",
+              sharing.size() > 2 ? "more than two triangles meet"
+                                 : "two triangles have opposite orientations",
+              ", and its sides cannot be distinguished; close it, or orient all triangles the same "
+              "way");
       if (sharing.size() == 2) continue;
       const double turn = runs(sharing[0], edge) ? 1 : -1;
       const Vec3d outwards = turn * cross(edge.direction, normals_[sharing[0]]);
@@ -83,27 +84,27 @@ class MeshDistance {
         rims_[f].push_back(outwards);
     }
   }
-  /// Whether a triangle runs along an edge from its lower vertex to the higher.
+  /// Whether a triangle traverses an edge from its lower to its higher vertex.
   bool runs(std::uint32_t triangle, const MeshEdge& edge) const {
     const auto& c = mesh_->triangles()[triangle];
     for (std::size_t k = 0; k < 3; ++k)
       if (c[k] == edge.from && c[(k + 1) % 3] == edge.to) return true;
     return false;
   }
-  /// Beyond a rim there is no side.
+  /// Beyond a rim the side is undefined.
   void refuse_rim(const SurfacePoint& p, const Vec3d& x) const {
     const double slack = 1e-6 * p.distance + mesh_->plane_tolerance();
     for (const auto& outwards : rims_[p.feature])
       require(!(p.distance * dot(p.normal, outwards) > slack),
-              "boundary_of: the mesh is open, and the flow's place ", x,
-              " [m] is beyond its rim, where it has no sides; close the mesh, or let it go on for "
+              "boundary_of: the mesh is open, and the flow's point ", x,
+              " [m] is beyond its rim, where it has no sides; close the mesh, or extend it by "
               "three cells beyond the flow's box");
   }
 
   std::shared_ptr<const TriangleMesh> mesh_;
   double sign_;
   std::vector<Vec3d> normals_;            // of faces, edges, vertices
-  std::vector<std::vector<Vec3d>> rims_;  // of the same: directions out of the surface
+  std::vector<std::vector<Vec3d>> rims_;  // of the same: directions away from the surface
 };
 
 /// One surface of a wall, at one time.
@@ -115,19 +116,18 @@ struct FlowSurface {
 
 }  // namespace detail
 
-/// Walls of the particles as the boundary of a flow, which is where all of them have their free
-/// side; as they are at `time` [s], with the velocity that they have then:
+/// Walls of the particles as the boundary of a flow: the fluid is where all of them have their free
+/// side. Pose and velocity are those at `time` [s]:
 ///
 ///   flow.set_boundary(silt::boundary_of(silt::Cylinder{from, to, radius, silt::Side::Inside}));
 ///
-/// Flow and particles then have the same walls. Their velocity is felt, as a drum's that turns; but
-/// surfaces that come elsewhere are not followed: set the boundary anew.
+/// Flow and particles then have the same walls. The velocity of the surface acts on the flow, as
+/// for a rotating drum. A surface that changes its position is not tracked: set the boundary again.
 ///
-/// Valid:  cylinders and cones have free space beyond their ends: let them go on for three cells
-///         beyond the flow's box. Fluid that is in one wall or in the other (pipes that branch)
-///         takes a mesh of all.
-/// Errors: InputError for no walls and surfaces that cannot be; for an open mesh whose triangles do
-///         not turn the same way, or whose rim is in the flow (when the distance is asked for).
+/// Valid:  cylinders and cones are open at their ends: extend them by three cells beyond the flow's
+///         box. For fluid in the union of several walls (branching pipes) use one mesh.
+/// Errors: InputError for no walls and invalid surfaces; for an open mesh with inconsistently
+///         oriented triangles, or with its rim in the flow (when the distance is evaluated).
 /// Tests:  tests/fluid/boundary_of.cpp
 inline FlowBoundary boundary_of(const std::vector<FlowWall>& walls, double time = 0) {
   auto all = std::make_shared<std::vector<detail::FlowSurface>>();
@@ -168,7 +168,7 @@ inline FlowBoundary boundary_of(const std::vector<FlowWall>& walls, double time 
     boundary.velocity = [nearest, time](const Vec3d& x) {
       const detail::FlowSurface& surface = *nearest(x).second;
       if (!surface.motion) return Vec3d{0, 0, 0};
-      constexpr double dt = 1e-6;  // [s] its square is nothing beside that of any period
+      constexpr double dt = 1e-6;  // [s] its square is negligible for any period
       const Vec3d at = surface.pose.to_body(x);
       return (0.5 / dt) *
              (surface.motion(time + dt).to_space(at) - surface.motion(time - dt).to_space(at));
@@ -182,7 +182,7 @@ inline FlowBoundary boundary_of(const Surfaces& surfaces, const Motion& motion =
 
 namespace detail {
 
-/// The motion of a wall near `now` [s]; of one that a drive moves, with its present velocity.
+/// Motion of a wall near `now` [s]; for a driven wall with its present velocity.
 inline Motion motion_seen(const Wall& wall, double now) {
   if (!wall.is_driven()) {
     if (!wall.motion || wall.state.changed == 0) return wall.motion;
@@ -201,7 +201,7 @@ inline Motion motion_seen(const Wall& wall, double now) {
 
 }  // namespace detail
 
-/// All walls of a Simulation, as they are now; `fluid`: of its meshes, see FlowWall.
+/// All walls of a Simulation in their present poses; `fluid`: for its meshes, see FlowWall.
 template <class Sim>
 FlowBoundary boundary_of_walls(const Sim& sim, Side fluid = Side::Inside) {
   std::vector<FlowWall> walls;

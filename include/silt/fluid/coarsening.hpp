@@ -13,10 +13,10 @@
 
 namespace silt::inline SILT_TARGET::fluid_detail {
 
-/// Adds d of row (j, k) to that of a coarser row, in the order of i. d stands for conductances to
-/// values beyond faces, twice as far from a coarser cell's centre: which faces is not known, but
-/// they are closed ones, and a direction counts by its share of those. Where no face is closed, d
-/// is a volume's and is summed.
+/// Adds d of row (j, k) to that of a coarser row, in the order of i. d represents conductances to
+/// values beyond faces, at twice the distance from a coarser cell's centre. The faces are unknown,
+/// but they are closed ones; each direction is weighted by its share of closed faces. Without
+/// closed faces d belongs to a volume and is summed.
 SILT_ONE_COPY void add_diagonal(const Level& fine, int j, int k, float* to) {
   if (!fine.row_has_d[fine.row_number(j, k)]) return;
   const FaceRows a = fine.faces(j, k);
@@ -40,8 +40,8 @@ SILT_ONE_COPY void add_diagonal(const Level& fine, int j, int k, float* to) {
   }
 }
 
-/// The coefficients of a coarser level from those of the finer one: the mean over the finer faces
-/// that a coarser one covers, times its area over its longer distance.
+/// Coefficients of a coarser level from those of the finer one: the mean over the fine faces
+/// covered by a coarse one, times its area over its longer distance.
 inline void coarsen_coefficients(const Team& team, const Level& fine, Level& coarse) {
   const std::array<int, 3> by{fine.halved[0] ? 2 : 1, fine.halved[1] ? 2 : 1,
                               fine.halved[2] ? 2 : 1};
@@ -111,8 +111,8 @@ inline void coarsen_coefficients(const Team& team, const Level& fine, Level& coa
                  [&](std::size_t k) { coarse.invert_diagonal(static_cast<int>(k)); });
 }
 
-/// Directions to halve: the one of the strongest couplings and those not much weaker. None where
-/// one cell is left.
+/// Directions to halve: that of the strongest coupling and those not much weaker. None if one cell
+/// is left.
 inline std::array<bool, 3> directions_to_halve(const Level& level) {
   constexpr double much_weaker = 0.3;
   std::array<double, 3> sum{};

@@ -10,16 +10,16 @@
 
 namespace silt::inline SILT_TARGET::fluid_detail {
 
-/// What is open at a cell: one bit a lower face (1, 2, 4 for x, y, z) and 8 where d > 0. Lower
+/// Open faces of a cell: one bit for each lower face (1, 2, 4 for x, y, z), and 8 if d > 0. Lower
 /// faces of index 0 lead to the last cell.
 using Openings = std::vector<std::uint8_t>;
 
-/// Sets of cells connected by open faces, and which of them no Dirichlet value (d > 0) holds.
+/// Sets of cells connected by open faces, and those of them without a Dirichlet value (d > 0).
 struct Components {
   static constexpr std::int32_t held = -1, blocked = -2;
 
-  /// Of every cell, i fastest: the number of its floating set, `held` where its set has a cell of
-  /// d > 0, `blocked` where all faces are closed and d = 0.
+  /// For every cell, i fastest: the number of its floating set, `held` if its set has a cell with d
+  /// > 0, `blocked` if all faces are closed and d = 0.
   std::vector<std::int32_t> of_cell;
   std::vector<std::size_t> sizes;  // cells of each floating set [-]
   bool any_blocked = false;

@@ -59,18 +59,19 @@ concept FlowWalls = requires(const F& seen, int direction) {
 
 }  // namespace detail
 
-/// What CoupledFlow asks of a flow on a Grid. FlowSolver is one; a flow of one's own mostly derives
-/// from it and replaces step(), as one whose inflow changes with time does (docs/own_fluid.md).
+/// Flow on a Grid, as required by CoupledFlow. FlowSolver is one. A user-defined flow usually
+/// derives from it and replaces step(), for example for a time-dependent inflow
+/// (docs/own_fluid.md).
 ///
 ///   fields   grid(), fluid(), options(); velocity(d) on the faces of direction d, pressure() and
-///            voidage() in cells, as FlowSolver has them; fill_pressure_ghosts(), holds_pressure(d,
-///            end); keep_stress(), from which on steps keep stress(d), div tau
-///   drag     drag(), drag_velocity(d): what particles do in the coming step; response(): what they
-///            answer within it, responds(): whether response() has ever been called
-///   steps    step(dt, team) -> FlowStep, which throws Error, or FlowStepError where a shorter step
-///            would do; stable_step(team) [s]; for_each_state(visit), for checkpoints
+///            voidage() in cells, as FlowSolver; fill_pressure_ghosts(), holds_pressure(d, end);
+///            keep_stress(), after which steps store stress(d), div tau
+///   drag     drag(), drag_velocity(d): action of particles in the coming step; response(): their
+///            response within the step, responds(): whether response() was ever called
+///   steps    step(dt, team) -> FlowStep, which throws Error, or FlowStepError if a shorter step
+///            would succeed; stable_step(team) [s]; for_each_state(visit), for checkpoints
 ///   walls    open_cells(), open_row(j, k), open_faces(d), inner_faces(d), joined_cells(): null
-///            where nothing stands in the box; boundaries(): how many boundaries have been set
+///            without walls in the box; boundaries(): number of boundaries set so far
 ///
 /// Tests: tests/coupling/own_coupling.cpp.
 template <class F>

@@ -11,8 +11,8 @@
 #include <silt/core/target.hpp>
 #include <silt/fluid/level_rows.hpp>
 
-/// Operations on single rows of the flow solver's fields: doubles, with what the multigrid takes
-/// from them in float.
+/// Operations on single rows of the flow solver's fields in double, and conversions from the float
+/// fields of the multigrid.
 namespace silt::inline SILT_TARGET::fluid_detail {
 
 using PackD = Lanes<DefaultArch>::Real;
@@ -28,12 +28,12 @@ SILT_ONE_COPY double dot_row(int n, const double* u, const double* v) {
   return total;
 }
 
-/// to = scale from, and what the set-up asks of `from`: adds its sum (scaled), finds the largest
+/// to = scale from; also returns properties of `from`: adds its scaled sum, finds the largest value
 /// and whether all are finite and not negative. `first_closed`: the first counts as 0.
 SILT_ONE_COPY void convert_row(int n, bool first_closed, double scale,
                                const double* __restrict from, float* __restrict to, double& sum,
                                double& largest, bool& valid) {
-  // Lanes of their own for sums and extremes, so that compilers can use vectors.
+  // Separate sums and extremes per lane, which allows vectorisation.
   constexpr int wide = 8;
   double sums[wide] = {}, high[wide] = {}, low[wide] = {};
   bool number[wide];
@@ -60,7 +60,7 @@ SILT_ONE_COPY void convert_row(int n, bool first_closed, double scale,
   }
 }
 
-/// Marks what is open at the n cells of a row, whose ax, ay, az and d follow each other in `rows`;
+/// Marks the open faces of the n cells of a row, whose ax, ay, az and d are consecutive in `rows`;
 /// returns whether any mark changed.
 inline bool mark_openings(int n, const float* __restrict rows, std::uint8_t* __restrict open) {
   const float *ax = rows, *ay = ax + n, *az = ay + n, *d = az + n;
@@ -83,9 +83,8 @@ struct DoubleRows {
   std::array<const double*, 4> beside;
 };
 
-/// r = scale (b - A p); returns |b - A p|^2 of the row. r is in halves (see
-/// level_rows.hpp). Faces of x at its ends are closed, or the
-/// first is the last if `wraps`; no ghost is read for them.
+/// r = scale (b - A p); returns |b - A p|^2 of the row. r is in halves (see level_rows.hpp). Faces
+/// of x at its ends are closed, or the first is the last if `wraps`; ghosts are not read.
 SILT_ONE_COPY double residual_row(int n, bool wraps, const DoubleRows& of, const double* b,
                                   double scale, float* r, std::ptrdiff_t half) {
   constexpr int chunk = 256;

@@ -13,17 +13,17 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The pressure p [Pa] of silt's flows is without the weight of the fluid: p = P - rho g.(x - x0)
-/// of the true pressure P, so that a fluid at rest has the same p everywhere. What is to be added:
+/// The pressure p [Pa] of silt's flows excludes the weight of the fluid: p = P - rho g.(x - x0)
+/// with the true pressure P. A fluid at rest has uniform p. Data to add the weight:
 struct FluidWeight {
   Vec3d gravity;  // [m/s2]
-  Vec3d from;     // [m] the place x0 where both pressures are the same: a surface, an outlet
+  Vec3d from;     // [m] the point x0 of equal pressures: a surface, an outlet
 
-  /// rho g.(x - x0) [Pa] at a place x [m].
+  /// rho g.(x - x0) [Pa] at a point x [m].
   double pressure(double density, const Vec3d& x) const { return density * dot(gravity, x - from); }
 };
 
-/// What a flow is at a place.
+/// Values of a flow at a point.
 struct FlowValues {
   Vec3d velocity;                                           // [m/s] between the particles
   double pressure;                                          // [Pa] without the fluid's weight
@@ -43,20 +43,20 @@ const CellField* temperature_of(const Flow& flow) {
     return nullptr;
 }
 
-/// Two neighbours of a place along one direction: the lower one and the weight of the upper.
+/// The two neighbours of a point along one direction: the lower one, and the weight of the upper.
 struct Between {
   int low;
   double high;  // [-]
 };
-/// Among what stands at the middle of cells (`shift` 0.5) or at faces (0) of direction d; `past`:
-/// how many beyond the first and the last may be used.
+/// Among values at cell centres (`shift` 0.5) or at faces (0) of direction d; `past`: number of
+/// values usable beyond the first and the last.
 inline Between neighbours_of(double along, int first, int last, double shift) {
   const double s = along - shift;
   const int low = std::clamp(static_cast<int>(std::floor(s)), first, std::max(first, last - 1));
   return {low, last > first ? s - low : 0};
 }
 
-/// A place in cells of a grid, from its lower corner; none beyond the box. Periodic ones wrap.
+/// Position in cells of a grid, from its lower corner; empty outside the box. Periodic ones wrap.
 inline std::optional<std::array<double, 3>> place_in_cells(const Grid& g, const Vec3d& x) {
   const Vec3d &low = g.box().min, &h = g.h();
   std::array<double, 3> at{(x.x - low.x) / h.x, (x.y - low.y) / h.y, (x.z - low.z) / h.z};
@@ -68,7 +68,7 @@ inline std::optional<std::array<double, 3>> place_in_cells(const Grid& g, const 
   return at;
 }
 
-/// Cell values at a place.
+/// Cell values around a point.
 template <class Flow>
 class CellsAround {
  public:
@@ -87,8 +87,7 @@ class CellsAround {
   }
   bool in_fluid() const { return whole_ || found_; }
 
-  /// Linear between cells; beside walls in the box from the nearest cell with fluid and its slopes
-  /// to others.
+  /// Linear between cells; next to walls in the box from the nearest fluid cell and its slopes.
   double value(const CellField& f) const {
     double sum = 0;
     if (whole_) {
@@ -163,7 +162,7 @@ class CellsAround {
   Cell nearest_{};
 };
 
-/// Component d of the velocity, linear between faces; ghosts are as the sides have them.
+/// Component d of the velocity, linear between faces; ghosts follow the conditions at the sides.
 template <class Flow>
 double velocity_in_cells(const Flow& flow, int d, const std::array<double, 3>& at) {
   const Grid& g = flow.grid();
@@ -189,7 +188,7 @@ double velocity_in_cells(const Flow& flow, int d, const std::array<double, 3>& a
 
 }  // namespace detail
 
-/// Whether there is fluid at a place [m]: in the flow's box, and not within its walls by more than
+/// Whether there is fluid at a point [m]: in the flow's box, and not inside its walls by more than
 /// a cell.
 template <FlowOnGrid Flow>
 bool has_fluid_at(const Flow& flow, const Vec3d& x) {
@@ -197,12 +196,12 @@ bool has_fluid_at(const Flow& flow, const Vec3d& x) {
   return at && detail::CellsAround<Flow>(flow, *at).in_fluid();
 }
 
-/// A flow at a place [m], after start() or a step: linear between its values, which stand on faces
-/// (velocity) and in cells (pressure, voidage). Exact for linear fields; within half a cell of a
-/// side pressure and voidage are extrapolated, and velocities meet those of the side. Beside walls
-/// that stand in the box, pressure and voidage are taken from cells with fluid alone, also at the
-/// wall itself; velocities there are of first order.
-/// Errors: InputError where there is no fluid. Tests: tests/fluid/flow_at.cpp.
+/// Interpolates a flow at a point [m], after start() or a step: linear between its values on faces
+/// (velocity) and in cells (pressure, void fraction). Exact for linear fields. Within half a cell
+/// of a side, pressure and void fraction are extrapolated, and velocities match those of the side.
+/// Near walls in the box, and at the wall itself, pressure and void fraction use only fluid cells;
+/// velocities are first order.
+/// Errors: InputError if there is no fluid. Tests: tests/fluid/flow_at.cpp.
 template <FlowOnGrid Flow>
 FlowValues flow_at(const Flow& flow, const Vec3d& x) {
   const auto at = detail::place_in_cells(flow.grid(), x);
@@ -221,12 +220,12 @@ FlowValues flow_at(const Flow& flow, const Vec3d& x) {
           temperature};
 }
 
-/// The mean pressure [Pa] over the plane across direction d at `where` [m] along it, by the area
-/// that is open to the fluid: what a ring of taps reads. Linear between the layers of cells.
-/// Errors: InputError where the plane is outside the box, or has no fluid.
+/// Mean pressure [Pa] over the plane normal to direction d at `where` [m], weighted with the area
+/// open to the fluid, as measured by a ring of taps. Linear between the layers of cells.
+/// Errors: InputError if the plane is outside the box, or has no fluid.
 template <FlowOnGrid Flow>
 double mean_pressure_across(const Flow& flow, int d, double where) {
-  require(d >= 0 && d < 3, "mean_pressure_across: direction ", d, " is none of 0, 1, 2");
+  require(d >= 0 && d < 3, "mean_pressure_across: direction ", d, " is not 0, 1 or 2");
   const Grid& g = flow.grid();
   const auto c = static_cast<std::size_t>(d);
   const Vec3d low = g.box().min, high = g.box().max;

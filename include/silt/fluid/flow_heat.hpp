@@ -10,10 +10,10 @@
 #include <silt/fluid/flow_k_epsilon.hpp>
 #include <silt/fluid/flow_state.hpp>
 
-/// The step of the temperature: (1) and (2) of FluidHeat.
+/// Time step of the temperature: (1) and (2) of FluidHeat.
 namespace silt::inline SILT_TARGET::fluid_detail {
 
-/// Calls visit(i, j, k, place) for the cells beside a side; place [m]: the middle of the cell's
+/// Calls visit(i, j, k, position) for the cells at a side; position [m]: the centre of the cell's
 /// face on it.
 template <class Visit>
 void for_side_cells(const Grid& grid, int d, int end, const Visit& visit) {
@@ -74,18 +74,17 @@ class HeatStep {
     for_sides(s_.grid, [&](int d, int end) {
       const SideHeat& side = heat_.side(d, end);
       const char name[] = {"xyz"[d], 0};
-      require(
-          !(side.has_flux() && (side.has_temperature() || s_.sides.through(d, end))),
-          "FlowSolver: the side in ", name,
-          " has a SideHeat.flux, which belongs to a wall without a temperature of its own; give "
-          "one of both, and of inflows and outflows the temperature");
+      require(!(side.has_flux() && (side.has_temperature() || s_.sides.through(d, end))),
+              "FlowSolver: the side in ", name,
+              " has a SideHeat.flux, which is for walls without a prescribed temperature; give "
+              "only one, and for inflows and outflows the temperature");
       require(!(s_.turbulence && side.has_temperature() && !s_.sides.through(d, end)),
               "FlowSolver: the wall at the side in ", name,
               " has a temperature, but in turbulent flow silt has no thermal wall function; give "
               "it a SideHeat.flux");
     });
   }
-  /// Walls at sides: what they conduct over half a cell, or give.
+  /// Walls at sides: conduction over half a cell, or a flux.
   void find_links() {
     heat_.link.fill(0), heat_.pull.fill(0);
     for_sides(s_.grid, [&](int d, int end) {
@@ -118,7 +117,7 @@ class HeatStep {
     return part == 1 ? next[i] : m[i] + part * (next[i] - m[i]);
   }
 
-  /// [W/(m3 K)] What the face below cell i in direction d conducts.
+  /// [W/(m3 K)] conductance of the face below cell i in direction d.
   struct Faces {
     Faces(const FlowState& s, int j, int k) {
       m = s.next_mass.row(j, k);
@@ -137,7 +136,7 @@ class HeatStep {
     return (f.area[d] != nullptr ? f.area[d][i] : 1) * k * mean * over_[d] * over_[d];
   }
 
-  /// In how many equal parts the step is made.
+  /// Number of equal parts of the step.
   int parts_of(double dt) const {
     const double most = s_.over_planes(
         team_,
@@ -164,7 +163,7 @@ class HeatStep {
     if (!(most <= FluidHeat::most_parts))
       throw FlowStepError(
           text("FlowSolver: heat spreads over ", most, " cells in a step of ", dt,
-               " s; it must be at most ", FluidHeat::most_parts, ": take a step of at most ",
+               " s; it must be at most ", FluidHeat::most_parts, ": use a step of at most ",
                dt * FluidHeat::most_parts / most, " s, or larger cells"),
           dt * FluidHeat::most_parts / most);
     return std::max(1, static_cast<int>(std::ceil(most)));
@@ -189,7 +188,7 @@ class HeatStep {
     });
   }
 
-  /// advected = (m T - dt div(F T))/m'. See advect_turbulence() for what faces carry.
+  /// advected = (m T - dt div(F T))/m'. For the fluxes see advect_turbulence().
   void advect() {
     s_.for_cells(team_, [&](int j, int k) {
       const double *const m = s_.mass.row(j, k), *const next = s_.next_mass.row(j, k);
@@ -223,7 +222,7 @@ class HeatStep {
                            s_.solids ? s_.solids->area[FlowState::at(d)].row(j, k) : nullptr,
                            s_.carried[FlowState::at(d)].row(j, k)[i], i, stride_[d]);
   }
-  /// Heat that flows in and out.
+  /// Counts heat of inflow and outflow.
   void book_sides() {
     for_sides(s_.grid, [&](int d, int end) {
       double sum = 0;
@@ -279,14 +278,14 @@ class HeatStep {
   FlowState& s_;
   FlowHeat& heat_;
   const Team& team_;
-  CellField &left_, &advected_;  // [-] of what is in a cell and does not flow out, [K]
+  CellField &left_, &advected_;  // [-] part of a cell's content that does not flow out, [K]
   double capacity_;              // [J/(m3 K)] of the fluid
   double over_[3];               // [1/m]
   std::ptrdiff_t stride_[3];
   double from_ = 0, to_ = 1, dt_ = 0, share_of_part_ = 1;  // of the part: in the step, [s], [-]
 };
 
-/// [J] above 0 K.
+/// [J] relative to 0 K.
 inline double stored_heat(const FlowState& state, const CellField& mass, const Team& team) {
   const double sum = state.over_planes(
       team,
@@ -311,7 +310,7 @@ inline void carry_heat(FlowState& state, double dt, const Team& team) {
   book.stored = stored_heat(state, state.next_mass, team);
 }
 
-/// The forces of the step, with buoyancy.
+/// Forces of the step, with buoyancy.
 inline void push_by_heat(FlowState& state, const Team& team) {
   if (!state.heat || state.heat->push.empty()) return;
   FlowHeat& heat = *state.heat;
@@ -331,11 +330,11 @@ inline void push_by_heat(FlowState& state, const Team& team) {
   }
 }
 
-/// What users read and set of the heat of a FlowSolver, which has these functions as its own.
+/// Heat functions of a FlowSolver, inherited by it.
 template <class Solver>
 class HeatOfFlow {
  public:
-  /// Gives the fluid a temperature: its start_temperature, everywhere. Costs nothing unless called.
+  /// Adds a temperature to the fluid, initially start_temperature. No cost unless called.
   void set_heat(const FluidHeat& heat) {
     heat.check();
     FlowState& s = state();
@@ -346,7 +345,8 @@ class HeatOfFlow {
   }
   bool has_heat() const { return state().heat.has_value(); }
   const FluidHeat& heat() const { return known().of; }
-  /// What the lower (end 0) or upper (end 1) side of a direction is for heat; insulated unless set.
+  /// Thermal condition at the lower (end 0) or upper (end 1) side of a direction; default:
+  /// insulated.
   void set_side_heat(int direction, int end, const SideHeat& side) {
     require(direction >= 0 && direction < 3 && (end == 0 || end == 1), "FlowSolver: side (",
             direction, ", ", end, ") does not exist; directions are 0, 1, 2 and ends 0, 1");
@@ -359,7 +359,7 @@ class HeatOfFlow {
   const CellField& temperature() const { return known().temperature; }
   /// Sources in the coming steps; kept from step to step.
   CellField& heat_source() { return known().source; }  // [W/m3]
-  /// @name What particles exchange in the coming step: sums of b and b T_p, see FluidHeat
+  /// @name Exchange with particles in the coming step: sums of b and b T_p, see FluidHeat
   /// @{
   CellField& heat_exchange() { return known().exchange; }        // [W/(m3 K)]
   CellField& heat_of_particles() { return known().given; }       // [W/m3]

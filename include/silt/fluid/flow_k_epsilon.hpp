@@ -7,20 +7,20 @@
 
 #include <silt/fluid/flow_state.hpp>
 
-/// The step of k and epsilon: (1) and (2) of KEpsilon.
+/// Time step of k and epsilon: (1) and (2) of KEpsilon.
 namespace silt::inline SILT_TARGET::fluid_detail {
 
-/// Scratch fields of the flow's that are free after its projection, so that k and epsilon need none
-/// of their own.
+/// Scratch fields of the flow that are unused after its projection, and are reused for k and
+/// epsilon.
 struct CarriedTurbulence {
   explicit CarriedTurbulence(FlowState& state)
       : left(state.tendency[0]), k(state.tendency[1]), epsilon(state.tendency[2]) {}
-  CellField& left;  // [-] of what is in a cell and does not flow out in the step
+  CellField& left;  // [-] part of a cell's content that does not flow out in the step
   CellField &k, &epsilon;
 };
 
-/// What flows through the lower face of direction d of the cell at `i`, in units of q over m.
-/// `s`: to the next cell; `open`: whether faces are, null: all.
+/// Flux through the lower face of direction d of the cell at `i`, in units of q over m. `s`: to the
+/// next cell; `open`: whether faces are open, null: all.
 inline double carried_through(const double* q, const double* left, const double* open, double flow,
                               std::ptrdiff_t i, std::ptrdiff_t s) {
   const bool up = flow > 0;
@@ -32,9 +32,9 @@ inline double carried_through(const double* q, const double* left, const double*
   return flow * (q[from] + 0.5 * left[from] * slope);
 }
 
-/// to = (m q - dt div(F q)) / m' of k and epsilon. Where a cell holds q and lets C of it out in the
-/// step, faces carry at most q (1 + (1 - C)/2), so that nothing falls below 0. In a cell cut by a
-/// wall what fluxes change acts on the fluid in it, see FlowSolids.
+/// to = (m q - dt div(F q)) / m' for k and epsilon. If a cell contains q and loses the share C of
+/// it in the step, its faces carry at most q (1 + (1 - C)/2), which keeps values positive. In a
+/// cell cut by a wall fluxes act on its fluid part, see FlowSolids.
 inline void advect_turbulence(FlowState& state, double dt, CarriedTurbulence& to,
                               const Team& team) {
   const TwoEquations& two = *state.turbulence->two;
@@ -85,7 +85,7 @@ inline void advect_turbulence(FlowState& state, double dt, CarriedTurbulence& to
   });
 }
 
-/// Diffusion, between cells whose centres are in the fluid, and sources.
+/// Diffusion between cells with their centres in the fluid, and sources.
 inline void make_turbulence(FlowState& state, double dt, const CarriedTurbulence& from,
                             const Team& team) {
   FlowTurbulence& eddies = *state.turbulence;
@@ -115,7 +115,8 @@ inline void make_turbulence(FlowState& state, double dt, const CarriedTurbulence
           const std::ptrdiff_t to = i + way * s[d];
           if (kind[to] <= TwoEquations::passed) continue;
           if (open[d] != nullptr && open[d][way > 0 ? to : i] == 0) continue;
-          // The lesser share of both cells: steps that are stable for eps = 1 are so for all.
+          // The smaller share of the two cells: steps that are stable for eps = 1 are then always
+          // stable.
           const double nu_t = half * (mu[i] + mu[to]),
                        link = over[d] * std::min(m[i], m[to]) / m[i];
           dk += link * (nu + nu_t / model.sigma_k) * (k1[to] - k1[i]);
@@ -124,7 +125,7 @@ inline void make_turbulence(FlowState& state, double dt, const CarriedTurbulence
       const double k2 = std::max(TwoEquations::least, k1[i] + dk),
                    e2 = std::max(TwoEquations::least, e1[i] + de), rate = dt * e2 / k2;
       energy[i] = std::max(TwoEquations::least, (k2 + dt * made[i]) / (1 + rate));
-      if (kind[i] == TwoEquations::beside_wall) continue;  // as the flow finds it
+      if (kind[i] == TwoEquations::beside_wall) continue;  // set by the flow
       epsilon[i] = std::max(TwoEquations::least,
                             e2 * (1 + dt * model.C1 * made[i] / k2) / (1 + model.C2 * rate));
     }

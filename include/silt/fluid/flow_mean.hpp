@@ -16,15 +16,16 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Means over time of a flow in its cells, and how far it is from them (root of the mean square).
+/// Time averages of a flow in its cells, and root mean square deviations.
 ///
 ///   silt::FlowMean mean;
 ///   ... flow.step(dt), mean.add(flow, dt);
 ///
-/// Each state counts by its weight: the time [s] for which it stands. States at equal distances
-/// over whole periods of a signal give its mean to rounding, and the exact deviation of a harmonic
-/// from three states a period on. Errors: InputError for weights below 0, flows on other grids, and
-/// means of nothing. Tests:  tests/fluid/flow_mean.cpp.
+/// Each state is weighted with the time [s] that it represents. Equidistant states over whole
+/// periods of a signal give its mean to rounding; with three or more states per period also the
+/// exact deviation of a harmonic.
+/// Errors:  InputError for negative weights, flows on other grids, and means without states.
+/// Tests:   tests/fluid/flow_mean.cpp.
 class FlowMean {
  public:
   template <FlowOnGrid Flow>
@@ -68,7 +69,7 @@ class FlowMean {
     const auto& u = at(i, j, k).velocity;
     return {std::sqrt(u[0].square), std::sqrt(u[1].square), std::sqrt(u[2].square)};
   }
-  Vec3d superficial(int i, int j, int k) const {  // [m/s] mean of voidage times velocity
+  Vec3d superficial(int i, int j, int k) const {  // [m/s] mean of void fraction times velocity
     const auto& u = at(i, j, k).superficial;
     return {u[0], u[1], u[2]};
   }
@@ -79,9 +80,9 @@ class FlowMean {
   double temperature(int i, int j, int k) const { return hot(i, j, k).mean; }  // [K]
   double temperature_rms(int i, int j, int k) const { return std::sqrt(hot(i, j, k).square); }
 
-  /// For ParaView (.vti): mean_velocity, rms_velocity, mean_superficial_velocity, mean_pressure
-  /// (without the fluid's weight), rms_pressure, mean_voidage, open; and, with `weight`,
-  /// mean_pressure_with_weight; of a flow with heat mean_temperature and rms_temperature.
+  /// Writes for ParaView (.vti): mean_velocity, rms_velocity, mean_superficial_velocity,
+  /// mean_pressure (without the fluid's weight), rms_pressure, mean_voidage, open; with `weight`
+  /// also mean_pressure_with_weight; for a flow with heat mean_temperature and rms_temperature.
   void write(const std::string& path, const std::optional<FluidWeight>& weight = {}) const {
     using Vector = std::array<double, 3>;
     const auto collect = [&](auto value) {
@@ -122,12 +123,11 @@ class FlowMean {
     detail::write_cells(path, grid(), arrays);
   }
 
-  /// The plane of cells across direction d (0, 1, 2) that is nearest to `where` [m] along it, as a
-  /// table for `silt cells`: its two other coordinates [m], the components and length of the
-  /// mean velocity [m/s], mean pressure [Pa] and mean voidage, of a flow with heat mean
-  /// temperature.
+  /// Writes the plane of cells normal to direction d (0, 1, 2) nearest to `where` [m] as a table
+  /// for `silt cells`: its two coordinates [m], components and magnitude of the mean velocity
+  /// [m/s], mean pressure [Pa] and mean void fraction, for a flow with heat the mean temperature.
   void write_plane(const std::string& path, int d, double where) const {
-    require(d >= 0 && d < 3, "FlowMean::write_plane: direction ", d, " is none of 0, 1, 2");
+    require(d >= 0 && d < 3, "FlowMean::write_plane: direction ", d, " is not 0, 1 or 2");
     const Vec3d low = grid().box().min, h = grid().h();
     const double from = d == 0   ? low.x
                         : d == 1 ? low.y

@@ -7,14 +7,14 @@
 
 #include <silt/fluid/flow_state.hpp>
 
-/// What a step does before its pressure: see FlowSolver.
+/// Parts of a step before the pressure: see FlowSolver.
 namespace silt::inline SILT_TARGET::fluid_detail {
 
 inline void refuse_unstable(const FlowState& state, double dt, double courant) {
   if (courant > 1)
     throw FlowStepError(
         text("FlowSolver: the flow crosses ", courant, " cells in a step of ", dt,
-             " s; it must be at most 1: take a step of at most ", dt / courant, " s"),
+             " s; it must be at most 1: use a step of at most ", dt / courant, " s"),
         dt / courant);
   const Vec3d size = state.grid.h();
   const double squares = 1 / (size.x * size.x) + 1 / (size.y * size.y) + 1 / (size.z * size.z);
@@ -25,13 +25,13 @@ inline void refuse_unstable(const FlowState& state, double dt, double courant) {
         text("FlowSolver: viscosity spreads over mu dt / rho (1/hx^2 + "
              "1/hy^2 + 1/hz^2) = ",
              spread, " of a cell in a step of ", dt,
-             " s; it must be at most 0.45: take a step of at most ", 0.45 * dt / spread, " s"),
+             " s; it must be at most 0.45: use a step of at most ", 0.45 * dt / spread, " s"),
         0.45 * dt / spread);
 }
 
-/// The fluxes in the middle of the step, and the fluid that they carry.
+/// Fluxes at the middle of the step, and the fluid that they carry.
 inline void carry(FlowState& state, double dt, const Team& team) {
-  // Looks ahead by no more than the last step, if that was a short one.
+  // Extrapolates by at most the length of the last step, if that was short.
   const double ahead = state.old_dt > 0 ? std::min(0.5 * dt / state.old_dt, 1.0) : 0;
   for (int d = 0; d < 3; ++d) {
     const int more[3] = {d == 0, d == 1, d == 2};
@@ -65,13 +65,13 @@ inline void carry(FlowState& state, double dt, const Team& team) {
         return most;
       },
       FlowState::larger);
-  if (lacking > 0) {  // eps jumps: follow it a step late, without looking ahead
+  if (lacking > 0) {  // eps jumps: follow it one step later, without extrapolation
     state.carried = state.flow, state.mass = state.older_eps, state.next_mass = state.old_eps;
   }
   state.sides.fill_cells(state.mass), state.sides.fill_cells(state.next_mass);
 }
-/// Whether the fluxes have jumped in this step, as they do where sides change or the flow starts
-/// from rest: by more than a third of what they are.
+/// Whether the fluxes have jumped in this step by more than a third of their value, as after a
+/// change of sides or at a start from rest.
 inline bool has_jumped(const FlowState& state, const Team& team) {
   double changes = 0, squares = 0;
   for (int d = 0; d < 3; ++d) {
@@ -101,7 +101,7 @@ inline void find_spread(FlowState& state, const Team& team) {
   state.sides.fill_cells(state.spread);
 }
 
-/// What leads the velocities of slivers of direction d: see Sliver.
+/// Forcing of the velocities of slivers of direction d: see Sliver.
 inline void lead_slivers(FlowState& state, const Three& q, int d, const Team& team) {
   const std::size_t c = FlowState::at(d);
   FlowSolids& solids = *state.solids;
@@ -130,8 +130,8 @@ inline void lead_slivers(FlowState& state, const Three& q, int d, const Team& te
   });
 }
 
-/// One stage: `out` is u* of (4) with the tendency of q, or, in the second stage, the mean of it
-/// and the first one's.
+/// One stage: `out` is u* of (4) with the tendency of q, or, in the second stage, with the mean of
+/// both tendencies.
 inline void stage(FlowState& state, const Three& q, bool second, double dt, Three& out,
                   const Team& team) {
   for (int d = 0; d < 3; ++d) {
@@ -189,7 +189,7 @@ inline void stage(FlowState& state, const Three& q, bool second, double dt, Thre
                        state.tendency[c].row(j, k),
                        state.weight[c].row(j, k),
                        state.stress.empty() ? nullptr : state.stress[c].row(j, k)};
-      if (walled) {  // most of a box around a pipe is in solids
+      if (walled) {  // most of a box around a pipe is solid
         const auto open = state.solids->span(d, j, k);
         const int all_to = to;
         constexpr int width = static_cast<int>(Lanes<DefaultArch>::width);

@@ -13,7 +13,7 @@ namespace silt::inline SILT_TARGET {
 
 namespace fluid_detail {
 
-/// After a step with (6): the voidage of which the fluxes know.
+/// After a step with (6): the void fraction consistent with the fluxes.
 inline void count_flow(FlowState& state, double dt, const Team& team) {
   state.for_cells(team, [&](int j, int k) {
     const double* const share = state.solids ? state.solids->cells.row(j, k) : nullptr;
@@ -24,7 +24,7 @@ inline void count_flow(FlowState& state, double dt, const Team& team) {
   });
 }
 
-/// The pressure that makes a step's velocities keep the volume: (5) of FlowSolver.
+/// Pressure correction that makes the velocities of a step volume conserving: (5) of FlowSolver.
 class FlowProjection {
  public:
   explicit FlowProjection(const Grid& grid)
@@ -78,14 +78,15 @@ class FlowProjection {
         FlowState::added);
     const double mean = excess * dt / static_cast<double>(state.grid.size());
     if (!state.sides.any_open() && std::abs(mean) > 1e-6)
-      throw Error(text(
-          "FlowSolver: ", mean > 0 ? "more" : "less", " fluid comes in than goes out, by ",
-          std::abs(mean),
-          " of the volume in a step, and no side is an Outflow; make one an "
-          "Outflow, or balance the sides' velocities and the particles that come and go. (Where a "
-          "CoupledFlow clips solids at its least_voidage, the clipped volume counts as gone: take "
-          "wider weights or larger cells)"));
-    // What is less than rounding of the voidage in this step need not be found.
+      throw Error(text("FlowSolver: ", mean > 0 ? "more" : "less", " fluid enters than leaves, by ",
+                       std::abs(mean),
+                       " of the volume in a step, and no side is an Outflow; make one an "
+                       "Outflow, or balance the velocities of the sides and the particles added "
+                       "and removed. (Where a "
+                       "CoupledFlow clips solids at its least_voidage, the clipped volume counts "
+                       "as removed: use "
+                       "wider weights or larger cells)"));
+    // Residuals below the rounding of the void fraction in this step are not resolved.
     const double norm = norm_of_right(state, team), least = rounding / dt / norm;
     if (!std::isfinite(norm)) throw_no_numbers(state);
     solver_.set(coefficient_[0], coefficient_[1], coefficient_[2], held_, team);
@@ -126,7 +127,7 @@ class FlowProjection {
   }
 
  private:
-  /// Says which field that was given to the step is none, and where.
+  /// Reports which field of the step is not finite, and where.
   [[noreturn, gnu::cold]] static void throw_no_numbers(const FlowState& state) {
     const auto look = [&](const CellField& f, const char* what) {
       const Grid& g = state.grid;
@@ -136,7 +137,7 @@ class FlowProjection {
             if (!(std::abs(f(i, j, k)) < too_large))
               throw Error(text("FlowSolver: ", what, " of cell (", i, ", ", j, ", ", k, ") is ",
                                f(i, j, k),
-                               ", from which no velocity follows, however short the step; look at "
+                               ", which gives no velocity for any step, however short; check "
                                "what sets it"));
     };
     for (const CellField& f : state.velocity) look(f, "the velocity");
@@ -144,13 +145,13 @@ class FlowProjection {
     for (const CellField& f : state.drag_v) look(f, "the drag's K v");
     for (const CellField& f : state.force) look(f, "the force");
     if (state.response) {
-      look(state.response->borne, "the pressure that particles bear");
+      look(state.response->borne, "the pressure on particles");
       look(state.response->with_fluid, "the particles' answer to velocity");
       look(state.response->with_pressure, "the particles' answer to pressure");
       for (const CellField& f : state.response->flux) look(f, "the particles' flux");
     }
     throw Error(
-        "FlowSolver: no velocity that is a number follows, however short the step; look at the "
+        "FlowSolver: the velocity is not finite for any step, however short; check the "
         "velocities of the sides and of walls");
   }
   static constexpr double too_large = 1e150;  // its square, over a cell's size, may overflow
@@ -204,7 +205,7 @@ class FlowProjection {
 
   static constexpr double rounding = 1e-14;  // [-] of the voidage
 
-  /// Root of the mean square [1/s].
+  /// Root mean square [1/s].
   double norm_of_right(const FlowState& state, const Team& team) const {
     const double squares = state.over_planes(
         team,
@@ -219,7 +220,7 @@ class FlowProjection {
         FlowState::added);
     return std::sqrt(squares / static_cast<double>(state.grid.size()));
   }
-  /// Outlets hold the pressure half a cell from the last centre.
+  /// Outlets fix the pressure half a cell from the last centre.
   void hold_outlets(const FlowState& state) {
     held_.fill(0);
     const auto& n = state.grid.cells();

@@ -20,13 +20,13 @@ SILT_INLINE void for_row(int from, int to, const Body& body) {
   for (; i < to; ++i) body.template operator()<double>(i);
 }
 
-/// Differences of velocities, over the velocity that carries them, that count as smooth [-].
+/// Velocity differences, over the advecting velocity, that count as smooth [-].
 inline constexpr double smooth_difference = 0.1;
 
-/// Flux of q through the face between `m` and `0`, with the flow `f` towards 0: upwind with the
-/// mean of both slopes (Fromm) where q is smooth, extremes included, and with van Albada's limited
-/// slope where it jumps. Source: G. D. van Albada, B. van Leer, W. W. Roberts, Astron. Astrophys.
-/// 108 (1982) 76.
+/// Flux of q through the face between `m` and `0`, with the flow `f` towards 0: upwind, with the
+/// mean of both slopes (Fromm) where q is smooth, including extrema, and with van Albada's limited
+/// slope at jumps. Source: G. D. van Albada, B. van Leer, W. W. Roberts, Astron. Astrophys. 108
+/// (1982) 76.
 template <class Real>
 SILT_INLINE Real flux(const Real& f, const Real& mm, const Real& m, const Real& q0, const Real& p) {
   const auto forward = f > Real(0);
@@ -37,7 +37,7 @@ SILT_INLINE Real flux(const Real& f, const Real& mm, const Real& m, const Real& 
   return f * (near + Real(0.5) * slope);
 }
 
-/// What one stage needs of a row of one velocity component: pointers to value i = 0 of the row.
+/// Data of a row of one velocity component for a stage: pointers to value i = 0 of the row.
 struct StageRow {
   const double* q;         // [m/s] the component, of the stage
   const double* flow[3];   // [m/s] superficial velocities that carry it, on their faces
@@ -48,22 +48,22 @@ struct StageRow {
   double over_own;         // [1/m] in that direction
   double density, viscosity, per_step;  // [kg/m3], [Pa s], [kg/(m3 s)] density over time step
   bool averaged, second;                // model A; the second stage
-  // At the beginning of the step; eps, m, m', K, K v, s, p.
+  // At the start of the step; eps, m, m', K, K v, s, p.
   const double *u, *eps, *mass, *next_mass, *drag, *drag_v, *force, *pressure;
   const double* borne;  // [-] of ParticleResponse; null: 0
   // In a box with solids: see FlowSolids.
   const double *area, *inside, *thin, *wall_drag, *wall_push, *wall_velocity;
-  // In turbulence: eddy viscosity in cells [Pa s], velocities of all components and the faces that
-  // eddies reach, walls' drag beyond the laminar one.
+  // In turbulence: eddy viscosity in cells [Pa s], velocities of all components, faces where eddies
+  // act, and the drag of walls beyond the laminar one.
   const double* eddy;
   const double *all[3], *reached[3], *edges[3];
   const double *turbulent_drag, *turbulent_push;
   double *to, *tendency, *weight;
-  double* stress;  // [N/m3] div tau, mean of the stages; null if nobody asks
+  double* stress;  // [N/m3] div tau, mean of the stages; null if not stored
 };
 
-/// Advection and viscosity of value i [N/m3]: -rho div(F q), and mu (lap q + 1/3 grad div u).
-/// In solids nothing has a velocity that could be carried: q is there what it is beside them.
+/// Advection and viscosity of value i [N/m3]: -rho div(F q), and mu (lap q + 1/3 grad div u). In
+/// solids there is no advected velocity: the nearest value of q is used.
 template <class Real, bool Walled>
 SILT_INLINE void explicit_terms(const StageRow& r, int i, Real& advection, Real& viscous) {
   const auto at = [&](const double* c, std::ptrdiff_t s) { return load_any<Real>(c + i + s); };
@@ -78,7 +78,7 @@ SILT_INLINE void explicit_terms(const StageRow& r, int i, Real& advection, Real&
     Real mm = q(-2 * s), m = q(-s), p = q(s), pp = q(2 * s);
     const Real over(r.over_h[e]), in = flow(0), out = flow(s);
     if constexpr (Walled) {
-      const auto beside = [&](std::ptrdiff_t to, const Real& value) {  // as viscosity feels it
+      const auto beside = [&](std::ptrdiff_t to, const Real& value) {  // for viscosity
         return select(at(r.inside, to) > Real(0), value, at(r.wall_velocity, to));
       };
       lap += (over * over) * ((beside(s, p) - q0) - (q0 - beside(-s, m)));
@@ -136,7 +136,7 @@ SILT_INLINE Real eddy_term(const StageRow& r, int i) {
 /// Values from ... to-1 of a stage: (4) of FlowSolver.
 template <bool Walled, bool Turbulent>
 SILT_ONE_COPY void stage_row(const StageRow& row, int from, int to) {
-  const StageRow r = row;  // which no store changes
+  const StageRow r = row;  // a local copy, not changed by stores
   for_row(from, to, [&]<class Real>(int i) {
     const Real half(0.5);
     const auto at = [&](const double* c) { return load_any<Real>(c + i); };
@@ -179,7 +179,7 @@ SILT_ONE_COPY void stage_row(const StageRow& row, int from, int to) {
   });
 }
 
-/// Values from ... to-1 of a stage, all of them in solids.
+/// Values from ... to-1 of a stage, all in solids.
 inline void leave_closed(const StageRow& r, int from, int to) {
   for (int i = from; i < to; ++i) {
     r.to[i] = r.wall_velocity[i];

@@ -20,7 +20,8 @@ namespace silt::inline SILT_TARGET {
 
 namespace fluid_detail {
 
-/// What bounds a flow at the six sides of its grid: values on boundary faces, and in ghosts.
+/// Boundary conditions of a flow at the six sides of its grid: values on boundary faces and in
+/// ghosts.
 class FlowSides {
  public:
   explicit FlowSides(const Grid& grid) : grid_(grid) {
@@ -65,7 +66,7 @@ class FlowSides {
   }
 
   /// Scales inflows with a rate or an outline. `boundary`: of the flow; null: none. area(e, i, j,
-  /// k): the share of a face of direction e that is in the fluid.
+  /// k): share of a face of direction e in the fluid.
   template <class Area>
   void scale(const std::function<double(const Vec3d&)>& boundary, const Area& area) {
     for (int e = 0; e < 3; ++e)
@@ -77,18 +78,18 @@ class FlowSides {
       }
   }
 
-  /// Whether an inflow is a function of time.
+  /// Whether an inflow is time-dependent.
   bool any_changes() const {
     for (int e = 0; e < 3; ++e)
       for (int end = 0; end < 2; ++end)
         if (const auto* const in = changing(e, end); in != nullptr) return true;
     return false;
   }
-  double time() const { return time_; }  // [s] of what is given
+  double time() const { return time_; }  // [s] of the values
   void set_time(double time) { time_ = time; }
-  /// Gives inflows that change what they have at a time [s], `dt` [s] after that until now (0: not
-  /// known). Returns whether one has jumped: by more than a third of what it is now, and not at the
-  /// rate of the step before.
+  /// Updates time-dependent inflows to a time [s], `dt` [s] after the present one (0: unknown).
+  /// Returns whether one has jumped: by more than a third of its new value, and at another rate
+  /// than in the previous step.
   bool renew(double time, double dt) {
     time_ = time;
     bool jumped = false;
@@ -98,7 +99,7 @@ class FlowSides {
           jumped = renew(e, end, *in, dt) || jumped;
     return jumped;
   }
-  /// [1/s] The largest velocity of an inflow that changes, over the size of a cell.
+  /// [1/s] Largest velocity of a time-dependent inflow over the cell size.
   double changing_courant() const {
     double most = 0;
     for (int e = 0; e < 3; ++e)
@@ -117,13 +118,13 @@ class FlowSides {
     return open(direction, end) ||
            (!grid_.periodic(direction) && std::holds_alternative<Inflow>(at(direction, end).kind));
   }
-  /// The velocity [m/s] of the wall at a side; null if there is none.
+  /// Velocity [m/s] of the wall at a side; null without a wall.
   const Vec3d* wall(int direction, int end) const {
     if (grid_.periodic(direction)) return nullptr;
     const auto* const found = std::get_if<NoSlip>(&at(direction, end).kind);
     return found == nullptr ? nullptr : &found->velocity;
   }
-  /// First and last face of direction d whose velocity is unknown, and one more.
+  /// First face and end of the faces of direction d whose velocity is unknown.
   int first(int d) const { return grid_.periodic(d) || open(d, 0) ? 0 : 1; }
   int last(int d) const {
     return grid_.cells()[static_cast<std::size_t>(d)] + (open(d, 1) ? 1 : 0);
@@ -134,7 +135,7 @@ class FlowSides {
     return false;
   }
 
-  /// Mean pressure [Pa] of the outlets; 0 without any.
+  /// Mean pressure [Pa] of the outlets; 0 without outlets.
   double outlet_pressure() const {
     double sum = 0, count = 0;
     for (int e = 0; e < 3; ++e)
@@ -143,8 +144,8 @@ class FlowSides {
     return count > 0 ? sum / count : 0;
   }
 
-  /// Sets the faces of component c that are given, and its ghosts. What flows in is given by its
-  /// superficial velocity: beside a side the voidage `eps` is that of the cells there.
+  /// Sets the given faces of component c, and its ghosts. Inflow is given by its superficial
+  /// velocity: at a side the void fraction `eps` is that of the cells there.
   void fill_velocity(int c, CellField& u, const CellField& eps) const {
     u.wrap_ghosts();
     for (int e = 0; e < 3; ++e) {
@@ -164,7 +165,7 @@ class FlowSides {
             });
         } else if (free) {
           for_edge(u, e, end, true, [&](double* v, std::size_t) {
-            // What flows back in brings nothing along.
+            // Backflow carries no momentum.
             v[out] = v[2 * out] = (end == 1 ? v[0] : -v[0]) > 0 ? v[0] : 0;
           });
         } else {
@@ -178,7 +179,7 @@ class FlowSides {
       }
     }
   }
-  /// Ghosts of a flux through the faces of direction c, as next to them.
+  /// Ghosts of a flux through the faces of direction c: the neighbouring values.
   void fill_flux(int c, CellField& f) const {
     f.wrap_ghosts();
     for (int e = 0; e < 3; ++e)
@@ -186,11 +187,11 @@ class FlowSides {
         for_edge(f, e, end, e == c,
                  [out = outwards(e, end)](double* v, std::size_t) { v[out] = v[0]; });
   }
-  /// Ghosts of a cell field: of the next cell.
+  /// Ghosts of a cell field: the neighbouring cells.
   void fill_cells(CellField& f) const {
     fill(f, [](int, int) { return std::optional<double>(); });
   }
-  /// As fill_cells, but with value(direction, end) where an Inflow comes in.
+  /// As fill_cells, but with value(direction, end) at inflows.
   template <class Value>
   void fill_carried(CellField& f, const Value& value) const {
     fill_cells(f);
@@ -202,7 +203,7 @@ class FlowSides {
                      v[out] = v[2 * out] = given;
                    });
   }
-  /// Mean speed across an inflow [m/s], weighted with itself.
+  /// Mean speed through an inflow [m/s], weighted with itself.
   double inflow_speed(int e, int end) const {
     double sum = 0, squares = 0;
     if (!through(e, end) || open(e, end)) return 0;
@@ -241,7 +242,7 @@ class FlowSides {
   const Side& at(int e, int end) const {
     return sides_[static_cast<std::size_t>(e)][static_cast<std::size_t>(end)];
   }
-  /// From a value to the next one out of the box, in a field's memory.
+  /// Memory offset from a value to the next one out of the box.
   std::ptrdiff_t outwards(int e, int end) const { return end == 0 ? -stride(e) : stride(e); }
   std::ptrdiff_t stride(int e) const {
     return e == 0   ? 1
@@ -249,7 +250,7 @@ class FlowSides {
                     : static_cast<std::ptrdiff_t>(grid_.plane_stride());
   }
   /// Calls visit(value, k) for the last values inside, or on the side, of all lines of a field that
-  /// cross a side, ghosts of other directions included. `faces`: it stands on faces of direction e.
+  /// cross a side, including ghosts of other directions. `faces`: values on faces of direction e.
   template <class Visit>
   void for_edge(CellField& f, int e, int end, bool faces, const Visit& visit) const {
     constexpr int g = Grid::ghost;
@@ -280,8 +281,8 @@ class FlowSides {
         visit(line, k);
       }
   }
-  /// Ghosts of a cell field: such that the mean on a side is what on_side(direction, end) has, or
-  /// of the next cell where that is nothing.
+  /// Ghosts of a cell field: the mean on a side is on_side(direction, end), or the neighbouring
+  /// cell's value where that is empty.
   template <class OnSide>
   void fill(CellField& f, const OnSide& on_side) const {
     f.wrap_ghosts();
@@ -296,7 +297,7 @@ class FlowSides {
       }
     }
   }
-  /// Where a value of component c (3: of a cell) meets the side [m], in the box.
+  /// Point on the side [m] of a line of component c (3: of a cell), in the box.
   Vec3d place(const Line& line, int end, int c) const {
     const Vec3d h = grid_.h(), low = grid_.box().min, high = grid_.box().max;
     double x[3] = {low.x + (line.at[0] + (c == 0 ? 0 : 0.5)) * h.x,
@@ -313,12 +314,12 @@ class FlowSides {
     for_line(e, end, [&](const Line& line, std::size_t) {
       const Vec3d x = place(line, end, 3);
       const double away = outline(x);
-      require(!std::isnan(away), "FlowSolver: Inflow.outline is no number at ", x, " m");
+      require(!std::isnan(away), "FlowSolver: Inflow.outline is not a number at ", x, " m");
       out.push_back(away > 0 ? 0 : 1);
     });
     return out;
   }
-  /// Velocities that a side gives to component c, at all values for_line() visits.
+  /// Velocities of component c at a side, for all values of for_line().
   std::vector<double> values(const FlowSide& side, int e, int end, int c) const {
     const auto* const wall = std::get_if<NoSlip>(&side);
     const auto* const in = std::get_if<Inflow>(&side);

@@ -15,13 +15,13 @@ namespace silt::inline SILT_TARGET {
 
 namespace fluid_detail {
 
-/// [-] By which what is counted in cell i is divided: the share of the cell that fluid can enter; 1
-/// where none can. `open`: a row of FlowSolids::cells, or null in a box without solids.
+/// [-] Divisor of sums in cell i: the share of the cell open to the fluid; 1 for closed cells.
+/// `open`: a row of FlowSolids::cells, or null in a box without solids.
 inline double fluid_share(const double* open, int i) {
   return open != nullptr && open[i] > 0 ? open[i] : 1;
 }
 
-/// The velocity [m/s] in the middle of face (i, j, k) of direction d.
+/// Velocity [m/s] at the centre of face (i, j, k) of direction d.
 inline Vec3d velocity_at(const Three& u, int d, int i, int j, int k) {
   double v[3];
   for (int e = 0; e < 3; ++e) {
@@ -40,14 +40,15 @@ inline Vec3d velocity_at(const Three& u, int d, int i, int j, int k) {
   return {v[0], v[1], v[2]};
 }
 
-/// A face that is in part in the fluid, but not its centre. Its velocity u is that of the middle of
-/// this part, `here` [m] from the wall; beside it, in direction e (`way` 1 or -1), is a face whose
-/// centre is in the fluid, `there` from the wall, with the velocity u_p. What the wall takes from
-/// u, and what the fluid beyond gives, is
+/// Sliver: a face partly in the fluid with its centre in a wall. Its velocity u is at the middle of
+/// its fluid part, at the distance `here` [m] from the wall. The neighbouring face in direction e
+/// (`way` 1 or -1) has its centre in the fluid, at the distance `there`, with the velocity u_p.
+/// Momentum exchange of u with the wall and with the fluid beyond:
 ///   link (u_w + here/there (u_p - u_w) - u),  link = mu/(here h (1 - here/there))    [N/m3]
-/// In turbulent flow u is what flows along the wall into the sliver and out of it, unless it is
-/// beyond u_p or this linear profile: then it is led back, with rho |u_p|/h more. The friction of
-/// the wall is all on faces with their centres in the fluid, so that slivers must take no more.
+/// In turbulent flow u is determined by the flow along the wall into and out of the sliver, unless
+/// it exceeds u_p or this linear profile: then it is relaxed back with an additional rho |u_p|/h.
+/// The whole wall friction acts on faces with their centres in the fluid; slivers must not add to
+/// it.
 struct Sliver {
   int i, j, k;
   int e, way;
@@ -55,23 +56,27 @@ struct Sliver {
   Vec3d wall;  // [m/s]
 };
 
-/// Solids in the grid of a flow. What flows through a face is `area`, its share in the fluid, times
-/// its velocity: with true areas a uniform flow along a plane wall stays one, however the wall lies
-/// in the cells. Velocities stand on the centres of faces that are in the fluid (`inside`), and on
-/// slivers; what solids do not have is carried as it is beside them.
-/// Towards a neighbour whose centre is not, viscosity acts over the true distance to the surface
-/// (theta h instead of h):
-///   mu (u_w - u)/(theta h^2) = mu (u_c - u)/h^2 + mu/h^2 (u_w/theta - u_c) - mu/h^2 (1/theta - 1)
-///   u
-/// of which the first term is that of a neighbour with the solid's velocity u_c; then comes `push`,
-/// and `drag` times u, which is implicit.
-/// What fluxes change in the volume of a velocity, they change in the fluid of it, V of a cell: it
-/// has the factor 1/V = 1 + `thin`. V is the largest share that the flows into the volume and out
-/// of it have, so that no step has to be shorter where it is small. Source: F. Gibou et al., J.
-/// Comput. Phys. 176 (2002) 205 (symmetric Dirichlet condition); Y. Cheny,
-///   O. Botella, J. Comput. Phys. 229 (2010) 1043 (areas of cut faces in staggered cells).
+/// Solids in the grid of a flow. The flux through a face is `area`, its share in the fluid, times
+/// its velocity. With true areas a uniform flow along a plane wall remains uniform for any position
+/// of the wall in the cells. Velocities are stored at the centres of faces in the fluid (`inside`),
+/// and on slivers; values missing in solids are taken from neighbours in advection.
+///
+/// Towards a neighbour in a solid, viscosity acts over the true distance to the surface (theta h
+/// instead of h):
+///   mu (u_w - u)/(theta h^2) = mu (u_c - u)/h^2 + mu/h^2 (u_w/theta - u_c)
+///                              - mu/h^2 (1/theta - 1) u
+/// The first term is that of a neighbour with the solid's velocity u_c; the second is `push`, the
+/// third is `drag` times u, which is implicit.
+///
+/// Fluxes into the volume of a velocity change only its fluid part, the share V of a cell: they
+/// have the factor 1/V = 1 + `thin`. V is the largest open share of the flows into and out of the
+/// volume; small volumes therefore do not limit the step.
+///
+/// Source:  F. Gibou et al., J. Comput. Phys. 176 (2002) 205 (symmetric Dirichlet condition); Y.
+///          Cheny, O. Botella, J. Comput. Phys. 229 (2010) 1043 (areas of cut faces in staggered
+///          cells).
 struct FlowSolids {
-  static constexpr double nearest = 0.05;     // theta, at the least
+  static constexpr double nearest = 0.05;     // lower bound of theta
   static constexpr double least_area = 1e-3;  // smaller ones are closed
 
   FlowSolids(const Grid& grid, const FlowBoundary& boundary, double viscosity)
@@ -96,7 +101,7 @@ struct FlowSolids {
     require(
         any(inside[0]) || any(inside[1]) || any(inside[2]),
         "FlowBoundary.distance leaves no face of the grid in the fluid; it must be above 0 there, "
-        "and walls further apart than a cell");
+        "and walls must be further apart than a cell");
     for (int d = 0; d < 3; ++d) find_thin(grid, d);
     for (int k = 0; k < grid.nz(); ++k)
       for (int j = 0; j < grid.ny(); ++j)
@@ -112,25 +117,24 @@ struct FlowSolids {
     joined.find(grid, boundary, area, cells);
   }
 
-  Three area;      // [-] from 0 to 1
-  Three inside;    // [-] 1 with the centre in the fluid, or 0
-  Three thin;      // [-] 1/V - 1
-  Three drag;      // [kg/(m3 s)]
-  Three push;      // [N/m3] what goes with the walls' velocity
-  Three velocity;  // [m/s] of the solid, in faces whose centres are in it
-  CellField cells;     // [-] the fluid's share of cells with a face whose centre is in it; 0 of others
-  CellField share;     // [-] V of cells
+  Three area;       // [-] from 0 to 1
+  Three inside;     // [-] 1 with the centre in the fluid, or 0
+  Three thin;       // [-] 1/V - 1
+  Three drag;       // [kg/(m3 s)]
+  Three push;       // [N/m3] term with the walls' velocity
+  Three velocity;   // [m/s] of the solid, on faces with their centres in it
+  CellField cells;  // [-] open share of cells with a face whose centre is in the fluid; else 0
+  CellField share;  // [-] V of cells
   std::array<std::vector<Sliver>, 3> slivers;
   JoinedCells joined;
 
-  /// Copies what particles do from the next cell into cells that only slivers touch, where no
-  /// particle is counted: else the fluid would find ways without drag there.
+  /// Copies the action of particles from the neighbour into cells with slivers only, where
+  /// particles are not counted. Otherwise the fluid would have paths without drag there.
   void fill_corners(CellField& f) const {
     for (const auto& [to, from] : corners_) f(to[0], to[1], to[2]) = f(from[0], from[1], from[2]);
   }
 
-  /// Values `from` ... `to`-1 of a row of faces, of which all others are in solids, as are those
-  /// next to them.
+  /// Values `from` ... `to`-1 of a row of faces; all others and their neighbours are in solids.
   struct Span {
     int from = 0, to = 0;
   };
@@ -156,8 +160,8 @@ struct FlowSolids {
                 to.from = std::min(to.from, i - 1), to.to = std::max(to.to, i + 2);
       }
   }
-  /// Of a cell that is cut: the mean of areas of slices. Not less than a tenth, so that particles
-  /// find room.
+  /// Open share of a cut cell: the mean of areas of slices. At least a tenth, as room for
+  /// particles.
   double open_share(const Grid& grid, const FlowBoundary& boundary, int i, int j, int k) const {
     if (area[0](i, j, k) == 1 && area[0](i + 1, j, k) == 1 && area[1](i, j, k) == 1 &&
         area[1](i, j + 1, k) == 1 && area[2](i, j, k) == 1 && area[2](i, j, k + 1) == 1)
@@ -173,7 +177,7 @@ struct FlowSolids {
           [](double, double) { return 1.0; });
     return std::clamp(sum / (4 * h.x * h.y), 0.1, 1.0);
   }
-  /// Of the cells around one whose faces are slivers, that with the widest way to it; else any.
+  /// For a cell with slivers only: the neighbour with the widest opening to it; otherwise any.
   void find_corners(const Grid& grid) {
     const auto& n = grid.cells();
     for (int k = 0; k < n[2]; ++k)
@@ -209,7 +213,7 @@ struct FlowSolids {
   std::size_t rows_ = 0;
 
   static double along(const Vec3d& v, int d) { return d == 0 ? v.x : d == 1 ? v.y : v.z; }
-  /// Calls visit(i, j, k) for all values that a field of faces has, ghosts too.
+  /// Calls visit(i, j, k) for all values of a face field, including ghosts.
   template <class Visit>
   static void for_all(const Grid& grid, const Visit& visit) {
     constexpr int g = Grid::ghost;
@@ -229,7 +233,7 @@ struct FlowSolids {
         if (at >= -g && at < grid.cells()[static_cast<std::size_t>(e)] + g) visit(to, e, way);
       }
   }
-  /// Centre of a face of direction d, in the box where that is periodic.
+  /// Centre of a face of direction d, wrapped into the box if periodic.
   static Vec3d place(const Grid& grid, int d, int i, int j, int k) {
     const int at[3] = {i, j, k};
     double x[3];
@@ -253,7 +257,7 @@ struct FlowSolids {
     for_all(grid, [&](int i, int j, int k) {
       const Vec3d x = place(grid, d, i, j, k);
       const double away = boundary.distance(x);
-      require(!std::isnan(away), "FlowBoundary.distance is no number at ", x, " m");
+      require(!std::isnan(away), "FlowBoundary.distance is not a number at ", x, " m");
       distance(i, j, k) = away;
       double wet = away > 0 ? 1 : 0;
       if (std::abs(away) < 0.5 * std::hypot(ha, hb)) {
@@ -272,7 +276,8 @@ struct FlowSolids {
         velocity[c](i, j, k) = along(boundary.velocity(x), d);
     });
   }
-  void find_slivers(const Grid& grid, const FlowBoundary& boundary, int d, const CellField& distance) {
+  void find_slivers(const Grid& grid, const FlowBoundary& boundary, int d,
+                    const CellField& distance) {
     const auto c = static_cast<std::size_t>(d);
     const int a = (d + 1) % 3, b = (d + 2) % 3;
     const double ha = along(grid.h(), a), hb = along(grid.h(), b);
@@ -307,7 +312,7 @@ struct FlowSolids {
       slivers[c].push_back(s);
     });
   }
-  /// What viscosity does towards walls.
+  /// Viscous coupling to walls.
   void find_links(const Grid& grid, const FlowBoundary& boundary, double viscosity, int d,
                   const CellField& distance) {
     const auto c = static_cast<std::size_t>(d);
@@ -315,7 +320,7 @@ struct FlowSolids {
       if (inside[c](i, j, k) == 0) return;
       for_neighbours(grid, i, j, k, [&](const std::array<int, 3>& to, int e, int way) {
         const auto f = static_cast<std::size_t>(e);
-        // Beyond a side of the box it is the side that the fluid feels.
+        // Outside the box the side applies.
         if (!grid.periodic(e) && (to[f] < 0 || to[f] >= grid.cells()[f] + (e == d))) return;
         if (inside[c](to[0], to[1], to[2]) != 0) return;
         const double here = distance(i, j, k), there = distance(to[0], to[1], to[2]);
@@ -349,7 +354,7 @@ struct FlowSolids {
           thin[c](i, j, k) = 1 / most - 1;
         }
   }
-  static constexpr std::size_t pieces = 4;  // of a face's side, for its area
+  static constexpr std::size_t pieces = 4;  // per side length of a face, for its area
 };
 
 }  // namespace fluid_detail

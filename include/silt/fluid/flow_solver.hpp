@@ -19,49 +19,48 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Incompressible flow, averaged over volumes that hold particles, on the staggered (MAC) cells of
-/// a Grid: velocities on faces, all else in cells.
+/// Incompressible flow through particles, volume averaged, on the staggered (MAC) cells of a Grid:
+/// velocities on faces, all other fields in cells.
 ///
 ///   d(eps)/dt + div(eps u) = 0                                                                 (1)
 ///   momentum as MomentumModel says, tau = mu (grad u + grad u' - 2/3 div u 1)                  (2)
 ///   f = K (v - u) + s                                                                          (3)
 ///
-/// u [m/s] is the velocity between the particles (interstitial), eps u the superficial one, which
-/// an Inflow gives; on a side of the box eps is that of the cells beside it. Before a step the
-/// caller sets eps as it will be at its end, and K, K v (drag of the particles) and other forces s.
-/// Drag is implicit and limits no step. The pressure is without the fluid's weight: what hangs in
-/// the fluid bears its buoyancy besides.
+/// u [m/s] is the interstitial velocity, eps u the superficial velocity, which an Inflow
+/// prescribes; on a side of the box eps is that of the adjacent cells. Before a step the caller
+/// sets eps at its end, K and K v (drag of the particles), and other forces s. Drag is implicit and
+/// does not limit the step. The pressure excludes the fluid's weight: add buoyancy to bodies in the
+/// fluid.
 ///
-/// A step: fluxes eps u extrapolated to its middle; advection and viscosity by Heun's rule; drag
+/// A step: fluxes eps u extrapolated to its middle; advection and viscosity by Heun's method; drag
 /// and pressure by incremental projection, with the drag in the diagonal and in the weight of the
 /// pressure:
 ///
 ///   D u* = rho m u / dt + T - e grad p + K v + s,   D = rho m' / dt + K                        (4)
 ///   div(eps e / D grad dp) = div(eps u*) + (eps' - eps) / dt,   u' = u* - e / D grad dp        (5)
 ///
-/// with e = eps (model A) or 1. Particles that are light, or stiffly coupled, answer within the
-/// step (ParticleResponse): what they leave of pressure and stress to the fluid joins e, q over the
-/// volume, and the volume that they carry joins (5),
+/// with e = eps (model A) or 1. Light or stiffly coupled particles respond within the step
+/// (ParticleResponse). The pressure and stress that they leave to the fluid are added to e (q per
+/// volume), and the volume that they carry is added to (5),
 ///
 ///   div((eps + A) (e + q)/D + B) grad dp = div(eps u* + S + A u* - B grad p) + (eps - eps~)/dt (6)
 ///
-/// A, B, S: sums of V a, V b, V (v0 + b div tau) over the volume, eps~ the voidage of which the
-/// fluxes until now know, so that no volume is lost where particles move otherwise. Without (6) the
-/// fluid learns a step late of what its pressure has done to them, with a gain of
-/// (1 - eps)/eps rho/rho_p: above 1 no step is stable.
+/// A, B, S: sums of V a, V b, V (v0 + b div tau) per volume; eps~ is the void fraction consistent
+/// with the fluxes so far, which conserves volume even if particles move differently. Without (6)
+/// the response of particles to the pressure reaches the fluid one step later, with a gain of (1 -
+/// eps)/eps rho/rho_p: above 1 every step is unstable.
 ///
-/// m is the fluid that fluxes F have carried into the volume of a
-/// velocity, m' = m - dt div F; it follows eps by a step. With it momentum is kept to rounding and
-/// a uniform flow stays one, whatever eps does.
-/// Second order in space and time on smooth flows; in time drag is of first order.
-/// Stable where courant <= 1 and mu dt / (rho eps) sum 1/h^2 < 1/2: see stable_step().
+/// m is the fluid mass carried by the fluxes F into the volume of a velocity, m' = m - dt div F; it
+/// lags eps by a step. Momentum is conserved to rounding, and a uniform flow remains uniform for
+/// any eps. Second order in space and time for smooth flows; drag is first order in time. Stable
+/// for courant <= 1 and mu dt / (rho eps) sum 1/h^2 < 1/2: see stable_step().
 ///
 /// Source: F. H. Harlow, J. E. Welch, Phys. Fluids 8 (1965) 2182 (staggered cells); J. van Kan,
 ///   SIAM J. Sci. Stat. Comput. 7 (1986) 870 (incremental projection); Z. Y. Zhou et al., J. Fluid
 ///   Mech. 661 (2010) 482 (models A and B are sets II and III).
-/// Threads: results are the same, bit for bit, for every number of threads.
-/// Errors: InputError for sides, fluids and fields that cannot be; Error, with a sentence, where a
-///   step cannot be made.
+/// Threads: results are equal, bit for bit, for every number of threads.
+/// Errors: InputError for invalid sides, fluids and fields; Error, with a sentence, if a step
+///         fails.
 /// Tests:  tests/fluid/flow_solver.cpp, tests/fluid/inflow.cpp, tests/fluid/inflow_in_time.cpp.
 class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
   using FlowState = fluid_detail::FlowState;
@@ -93,9 +92,9 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
   const FluidProperties& fluid() const { return s_.fluid; }
   const FlowOptions& options() const { return s_.options; }
 
-  /// What bounds the flow at the lower (end 0) or upper (end 1) side of a direction that is not
-  /// periodic; a wall at rest unless set. By what the outlets' mean pressure changes all pressure
-  /// is shifted: a jump at the outlet would be felt as a blow.
+  /// Condition at the lower (end 0) or upper (end 1) side of a direction that is not periodic;
+  /// default: a wall at rest. If the mean pressure of the outlets changes, the whole pressure is
+  /// shifted by the change. A jump at the outlet would cause a pressure pulse.
   void set_side(int direction, int end, const FlowSide& side) {
     fluid_detail::FlowSides sides = s_.sides;
     sides.set(direction, end, side);
@@ -107,7 +106,7 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
     if (s_.turbulence) s_.turbulence->ready = s_.turbulence->found = false;
   }
 
-  /// What stands in the box: fluid is only where boundary.distance > 0.
+  /// Walls in the box: there is fluid only where boundary.distance > 0.
   void set_boundary(const FlowBoundary& boundary) {
     require(static_cast<bool>(boundary.distance),
             "FlowBoundary.distance is not set; give the signed distance to the surface");
@@ -120,11 +119,11 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
     if (s_.turbulence) s_.turbulence->ready = s_.turbulence->found = false;
     s_.started = false, ++boundaries_;
   }
-  int boundaries() const { return boundaries_; }  // that have been set
+  int boundaries() const { return boundaries_; }  // number of boundaries set so far
 
-  /// The time [s] that inflows which change are functions of: 0 at first, and the sum of all steps.
-  /// A CoupledFlow sets it to its own before each step. `last_step` [s]: the step that led there,
-  /// if there was one. It is not part of for_each_state(): set it after restoring a state by that.
+  /// Time [s] for time-dependent inflows: 0 at first, then the sum of all steps. A CoupledFlow sets
+  /// it to its own before each step. `last_step` [s]: the previous step, if any. Not part of
+  /// for_each_state(): set it after restoring a state.
   double time() const { return s_.sides.time(); }
   void set_time(double time, double last_step = 0) {
     require(std::isfinite(time), "FlowSolver::set_time: ", time, " [s] must be finite");
@@ -135,13 +134,13 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
     }
     s_.sides.set_time(time);
   }
-  /// Makes the flow a turbulent one, of Reynolds-averaged velocities. Costs nothing unless called.
+  /// Turbulent flow with Reynolds-averaged velocities. No cost unless called.
   void set_turbulence(const MixingLength& model) { make_turbulent(model); }
   void set_turbulence(const KEpsilon& model) { make_turbulent(model); }
-  /// Of a flow with KEpsilon, in cells; where 0 at the first step they get KEpsilon's of a start.
+  /// For KEpsilon, in cells; where 0 at the first step they get the initial values of KEpsilon.
   CellField& turbulent_energy() { return equations().k; }   // [m2/s2]
   CellField& dissipation() { return equations().epsilon; }  // [m2/s3]
-  /// Of a turbulent flow after a step: [Pa s] in cells, and y+ at walls.
+  /// For a turbulent flow after a step: [Pa s] in cells, and y+ at walls.
   const CellField& eddy_viscosity() const {
     check_turbulent();
     return s_.turbulence->eddy;
@@ -150,30 +149,29 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
     check_turbulent();
     return s_.turbulence->walls;
   }
-  /// The fluid's share of cells that fluid can enter, at least 0.1, and 0 in others; null if all
-  /// are whole.
+  /// Share of cells open to the fluid, at least 0.1, and 0 in closed cells; null if all are whole.
   const CellField* open_cells() const { return s_.solids ? &s_.solids->cells : nullptr; }
   /// Of row (j, k), for fluid_detail::fluid_share.
   const double* open_row(int j, int k) const {
     return s_.solids ? s_.solids->cells.row(j, k) : nullptr;
   }
-  /// The share of each face of direction d that is open, and 1 or 0: whether its centre is in the
-  /// fluid; null if all are whole.
+  /// Open share of each face of direction d, and 1 or 0 if its centre is in the fluid or not; null
+  /// if all are whole.
   const CellField* open_faces(int d) const {
     return s_.solids ? &s_.solids->area[FlowState::at(d)] : nullptr;
   }
   const CellField* inner_faces(int d) const {
     return s_.solids ? &s_.solids->inside[FlowState::at(d)] : nullptr;
   }
-  /// Cells at walls that are one for particles; null if there are no walls within the box.
+  /// Cells at walls that are merged for particles; null without walls in the box.
   const fluid_detail::JoinedCells* joined_cells() const {
     return s_.solids ? &s_.solids->joined : nullptr;
   }
-  /// Ghosts of the pressure as the sides have it; and whether a side holds a pressure or is
-  /// periodic, so that there is a slope across it.
+  /// Fills the ghosts of the pressure by the sides; whether a side fixes the pressure or is
+  /// periodic, which allows a gradient across it.
   void fill_pressure_ghosts() { s_.sides.fill_pressure(s_.pressure, false); }
   bool holds_pressure(int d, int end) const { return grid().periodic(d) || s_.sides.open(d, end); }
-  /// What flows through face `face` of direction d, all of its plane [m3/s].
+  /// Flow rate through all faces `face` of direction d [m3/s].
   double flow_rate(int d, int face) const {
     const auto& n = grid().cells();
     double sum = 0;
@@ -189,25 +187,25 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
     return sum * grid().cell_volume() / s_.h(d);
   }
 
-  /// @name The state, on faces of each direction and in cells
+  /// @name State, on faces of each direction and in cells
   /// @{
   CellField& velocity(int d) {  // [m/s] interstitial
     s_.forget_eddies();
     return s_.velocity[FlowState::at(d)];
   }
   const CellField& velocity(int d) const { return s_.velocity[FlowState::at(d)]; }
-  CellField& pressure() { return s_.pressure; }  // [Pa] of the middle of the last step
+  CellField& pressure() { return s_.pressure; }  // [Pa] at the middle of the last step
   const CellField& pressure() const { return s_.pressure; }
   /// @}
 
-  /// @name What the particles do, in cells; to be set before a step, kept from step to step
+  /// @name Action of the particles, in cells; set before a step, kept from step to step
   /// @{
   CellField& voidage() { return s_.voidage; }  // [-] eps at the end of the step
   const CellField& voidage() const { return s_.voidage; }
   CellField& drag() { return s_.drag; }                                    // [kg/(m3 s)] K
   CellField& drag_velocity(int d) { return s_.drag_v[FlowState::at(d)]; }  // [N/m3] K v
   CellField& force(int d) { return s_.force[FlowState::at(d)]; }           // [N/m3] s
-  /// How particles answer within the step; made by the first call.
+  /// Response of particles within the step; created at the first call.
   ParticleResponse& response() {
     if (!s_.response) s_.response.emplace(grid());
     return *s_.response;
@@ -215,15 +213,14 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
   bool responds() const { return s_.response.has_value(); }
   /// @}
 
-  /// From now on steps keep div tau [N/m3], the viscous part that acts on fluid and particles
-  /// alike, as it is on the inner faces of each direction; that of walls within the box is not in
-  /// it.
+  /// From now on steps store div tau [N/m3], the viscous part that acts equally on fluid and
+  /// particles, on the inner faces of each direction; without the stress of walls in the box.
   void keep_stress() {
     if (s_.stress.empty()) s_.stress.assign(3, CellField(grid()));
   }
   const CellField& stress(int d) const { return s_.stress[FlowState::at(d)]; }
 
-  /// Makes the velocities as set the state from which steps go on: at rest, at first.
+  /// Takes the velocities as set as initial state of the steps; default: at rest.
   void start(const Team& team = {}) {
     s_.take_voidage();
     s_.older_eps = s_.old_eps = s_.mass = s_.eps;
@@ -243,7 +240,7 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
     s_.old_dt = 0, s_.started = s_.sides_changed = true;
   }
 
-  /// The momentum of the fluid [kg m/s] that steps keep: of what is in the volumes of velocities.
+  /// Momentum of the fluid [kg m/s] that steps conserve: in the volumes of velocities.
   Vec3d momentum(const Team& team = {}) const {
     double of[3];
     for (int d = 0; d < 3; ++d) {
@@ -271,7 +268,7 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
     return {of[0], of[1], of[2]};
   }
 
-  /// The longest step [s] for which the explicit terms are stable, with a margin.
+  /// Longest step [s] for which the explicit terms are stable, with a margin.
   double stable_step(const Team& team = {}) const {
     const Vec3d h = s_.grid.h();
     const double speeds = s_.courant(1, team),
@@ -280,7 +277,7 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
     const double nu = s_.fluid.viscosity / s_.fluid.density;
     const double by_eddies = s_.turbulence ? s_.eddy_rate() : 0;
     double longest = std::min(by_flow, 0.35 / (nu * squares + by_eddies));
-    if (s_.sides.any_changes() && std::isfinite(longest)) {  // for what is about to flow in, too
+    if (s_.sides.any_changes() && std::isfinite(longest)) {  // includes coming inflow
       fluid_detail::FlowSides ahead = s_.sides;
       const auto crossed = [&](double t) {  // [-] cells in a step of `longest`
         ahead.renew(time() + t, 0);
@@ -291,7 +288,7 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
     return longest;
   }
 
-  /// What a step goes on from, part by part: visit(name, span of doubles), which may change it.
+  /// State for a restart, part by part: visit(name, span of doubles), which may change it.
   template <class Visit>
   void for_each_state(const Visit& visit) {
     const auto fields = [&](const char* name, auto&... field) {
@@ -325,7 +322,8 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
   }
 
   FlowStep step(double dt, const Team& team = {}) {
-    require(std::isfinite(dt) && dt > 0, "FlowSolver: a step of ", dt, " s is none");
+    require(std::isfinite(dt) && dt > 0, "FlowSolver: a step of ", dt,
+            " s must be finite and greater than 0");
     const bool first = !s_.started;
     if (first) start(team);
     if (s_.jumped) s_.pressure.fill(s_.sides.outlet_pressure());
@@ -354,7 +352,7 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
     projection_->run(s_, dt, done, team);
     fluid_detail::carry_turbulence(s_, dt, team);
     fluid_detail::carry_heat(s_, dt, team);
-    // Those of the next step, so that stable_step() knows them.
+    // For the next step, used by stable_step().
     s_.forget_eddies(), s_.find_turbulence(team);
     std::swap(s_.mass, s_.next_mass), std::swap(s_.older_eps, s_.old_eps);
     if (s_.response && s_.response->moves)
@@ -365,7 +363,7 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
     s_.jumped = s_.sides_changed && fluid_detail::has_jumped(s_, team);
     if (s_.jumped) {
       s_.old_dt = 0;
-      // The fluxes at the start need not have been those of any flow.
+      // The initial fluxes need not be those of any flow.
       if (first) s_.mass = s_.eps;
     }
     s_.sides_changed = false;
@@ -373,7 +371,7 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
   }
 
  private:
-  /// Inflows that change get what they have at the end of a step.
+  /// Updates time-dependent inflows to the end of a step.
   void renew_inflows(double dt) {
     const double end = time() + dt;
     if (s_.sides.any_changes()) {
@@ -402,7 +400,7 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
 
   FlowState s_;
   int boundaries_ = 0;
-  std::unique_ptr<fluid_detail::FlowProjection> projection_;  // knows nothing between steps
+  std::unique_ptr<fluid_detail::FlowProjection> projection_;  // no state between steps
 };
 
 static_assert(FlowOnGrid<FlowSolver>);

@@ -23,7 +23,7 @@ namespace silt::inline SILT_TARGET {
 
 namespace fluid_detail {
 
-/// The fields of a FlowSolver, and loops over them; ghosts are as `sides` has them.
+/// Fields of a FlowSolver, and loops over them; ghosts follow `sides`.
 struct FlowState {
   FlowState(const Grid& g, const FluidProperties& f, const FlowOptions& o)
       : grid(g), fluid(f), options(o), sides(g) {}
@@ -35,7 +35,7 @@ struct FlowState {
   }
   double h(int d) const { return d == 0 ? grid.h().x : d == 1 ? grid.h().y : grid.h().z; }
 
-  /// Calls visit(j, k, from, to) for the rows of the unknown velocities of direction d, planes in
+  /// Calls visit(j, k, from, to) for the rows of the unknown velocities of direction d; planes in
   /// threads.
   template <class Visit>
   void for_faces(int d, const Team& team, const Visit& visit) const {
@@ -55,7 +55,7 @@ struct FlowState {
   }
 
   void take_voidage() {
-    if (options.model == MomentumModel::Simplified) return;  // 1 as from the first
+    if (options.model == MomentumModel::Simplified) return;  // constant 1
     for (int k = 0; k < grid.nz(); ++k)
       for (int j = 0; j < grid.ny(); ++j) {
         const double* const e = voidage.row(j, k);
@@ -89,7 +89,7 @@ struct FlowState {
             u(f[0], f[1], f[2]) = solids->velocity[at(d)](f[0], f[1], f[2]);
         }
   }
-  /// Eddy viscosity and walls' shear, if the flow is turbulent.
+  /// Eddy viscosity and wall shear of a turbulent flow.
   void find_turbulence(const Team& team) {
     if (!turbulence) return;
     if (!turbulence->ready)
@@ -100,11 +100,11 @@ struct FlowState {
       turbulence->find(grid, sides, velocity, fluid.density, fluid.viscosity, team);
     turbulence->found = true;
   }
-  /// To be called where walls, sides or velocities change from outside.
+  /// To be called when walls, sides or velocities are changed from outside.
   void forget_eddies() {
     if (turbulence) turbulence->found = false;
   }
-  /// 1/s, of explicit steps: eddies act twice along a component's own direction.
+  /// 1/s, for explicit steps: eddies act twice along a component's own direction.
   double eddy_rate() const {
     const double x = 1 / (h(0) * h(0)), y = 1 / (h(1) * h(1)), z = 1 / (h(2) * h(2));
     const double most = turbulence->two && turbulence->largest == 0
@@ -112,7 +112,7 @@ struct FlowState {
                             : turbulence->largest / fluid.density;
     return most * (x + y + z + std::max({x, y, z}));
   }
-  /// [m/s] the largest velocity on any face, or of what flows in.
+  /// [m/s] largest velocity on any face, or of an inflow.
   double fastest() const {
     double most = 0;
     for (int d = 0; d < 3; ++d) {
@@ -124,7 +124,7 @@ struct FlowState {
     }
     return most;
   }
-  /// [m2/s] of k and epsilon as they will be in the first step.
+  /// [m2/s] from k and epsilon at the first step.
   double eddies_at_start() const {
     const TwoEquations& two = *turbulence->two;
     const double k0 = two.model.start_energy(fastest(), fluid.viscosity / fluid.density);
@@ -149,7 +149,7 @@ struct FlowState {
     return false;
   }
 
-  /// to = a eps u on all faces, boundary faces too; a: their share in the fluid.
+  /// to = a eps u on all faces, including boundary faces; a: open share.
   void superficial(const Three& u, Three& to, const Team& team) const {
     for (int d = 0; d < 3; ++d) {
       const std::ptrdiff_t s = stride(d);
@@ -184,7 +184,7 @@ struct FlowState {
     }
     return sum;
   }
-  /// The sum of what of_plane(k) returns, or, with std::max for `join`, the largest.
+  /// Sum of of_plane(k) over planes, or with std::max for `join` the largest.
   template <class OfPlane, class Join>
   double over_planes(const Team& team, const OfPlane& of_plane, const Join& join) const {
     std::vector<double> of(at(grid.nz()), 0.0);
@@ -193,7 +193,7 @@ struct FlowState {
     for (const double one : of) all = join(all, one);
     return all;
   }
-  static double larger(double a, double b) { return !(b <= a) ? b : a; }  // also what is no number
+  static double larger(double a, double b) { return !(b <= a) ? b : a; }  // also passes NaN
   static double added(double a, double b) { return a + b; }
 
   double courant(double dt, const Team& team) const {
@@ -224,16 +224,15 @@ struct FlowState {
   std::optional<FlowTurbulence> turbulence;
   std::optional<FlowHeat> heat;
   bool started = false;
-  bool sides_changed = true;  // since the last step, or it is the first one
-  /// The flow jumped in the last step: neither its fluxes nor the pressure of that blow say
-  /// anything of the next one's.
+  bool sides_changed = true;  // since the last step, or in the first one
+  /// The flow jumped in the last step: its fluxes and pressure do not predict the next step.
   bool jumped = false;
-  double old_dt = 0;  // [s] of the last step; 0: none, or the flow jumped in it
+  double old_dt = 0;  // [s] last step; 0: none, or the flow jumped in it
   Three velocity = three(), first = three(), next = three();    // [m/s] u, after a stage, u*
   Three flow = three(), old_flow = three(), carried = three();  // [m/s] eps u; F
   Three tendency = three();                                     // [N/m3] of the first stage
   Three weight = three();                                       // [m3 s/kg] e/D
-  std::vector<CellField> stress;                                // [N/m3] div tau, if it is kept
+  std::vector<CellField> stress;                                // [N/m3] div tau, if stored
   std::optional<ParticleResponse> response;                     // if particles have one
   CellField pressure{grid};                                     // [Pa]
   CellField voidage{grid, 1}, eps{grid, 1}, old_eps{grid, 1}, older_eps{grid, 1};

@@ -15,29 +15,31 @@ struct FlowOptions {
   int most_iterations = 200;  // [-] of the pressure solver
 };
 
-/// What a step did.
+/// Results of a step.
 struct FlowStep {
-  double courant = 0;  // [-] the largest sum over directions of |u| dt / h of any cell
+  double courant = 0;  // [-] largest sum over directions of |u| dt / h of any cell
   int iterations = 0;  // of the pressure solver
-  double removed = 0;  // [-] of the continuity equation's right side: what no flow could balance
-  /// [-] of a cell's volume, root of the mean square: what the pressure's tolerance has left of
-  /// this step's continuity equation.
+  double removed = 0;  // [-] of the continuity equation's right-hand side: part that no flow can
+                       // balance
+  /// [-] root mean square of the continuity error of this step due to the pressure tolerance, as a
+  /// share of a cell's volume.
   double unbalanced = 0;
 };
 
-/// How the particles of a coming step answer to it, in cells, for a flow whose particles are light
-/// or stiffly coupled; see FlowSolver. At the step's end a particle of volume V has the velocity
+/// Response of particles within a coming step, in cells, for light or stiffly coupled particles;
+/// see FlowSolver. At the end of the step a particle of volume V has the velocity
 ///
 ///   v' = v0 + a u' - b (grad p' - div tau')                                                   (1)
 ///
-/// and bears of pressure and viscous stress the part V - q alone; q is left to the fluid.
+/// and bears only the part V - q of pressure and viscous stress; q is left to the fluid.
 struct ParticleResponse {
   explicit ParticleResponse(const Grid& g)
       : borne(g), with_fluid(g), with_pressure(g), flux{CellField(g), CellField(g), CellField(g)} {}
 
-  bool bears = false;       // whether the step knows
-  CellField borne;          // [-] sum w q over the cell's volume (model A)
-  bool moves = false;       // whether continuity knows (1): then, as sums over the cell's volume,
+  bool bears = false;       // whether the step uses it
+  CellField borne;          // [-] sum w q per volume of the cell (model A)
+  bool moves = false;       // whether continuity includes (1): then, as sums per volume of the
+                            // cell,
   CellField with_fluid;     // [-] w V a
   CellField with_pressure;  // [m3 s/kg] w V b
   std::array<CellField, 3> flux;  // [m/s] w V (v0 + b div tau)

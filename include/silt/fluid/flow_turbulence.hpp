@@ -18,37 +18,38 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// y+ of what is next to walls [-].
+/// y+ of cells at walls [-].
 struct WallUnits {
   double least = 0, mean = 0, most = 0;
 };
 
 namespace fluid_detail {
 
-/// What KEpsilon keeps in cells.
+/// Fields of KEpsilon in cells.
 struct TwoEquations {
   TwoEquations(const Grid& grid, const KEpsilon& m)
       : model(m), k(grid), epsilon(grid), made(grid), slopes(grid), kind(grid) {}
 
-  // Kinds of cells; passed: with open faces, but the centre in a wall.
+  // Kinds of cells; passed: with open faces, but with the centre in a wall.
   static constexpr double closed = 0, passed = 1, beside_wall = 2, free = 3;
   static constexpr double least = 1e-30;  // of k and epsilon
 
   KEpsilon model;
-  CellField k, epsilon, made;  // [m2/s2], [m2/s3]; P [m2/s3] at the beginning of the step
-  CellField slopes;            // [-] square of slopes of a logarithm over that of their differences
+  CellField k, epsilon, made;  // [m2/s2], [m2/s3]; P [m2/s3] at the start of the step
+  CellField slopes;            // [-] squared slopes of a logarithm over those of central
+                               // differences
   CellField kind;
   std::array<std::array<double, 2>, 3> inflow{};  // [m2/s2] k of each side
 };
 
-/// The turbulence of a flow: eddy viscosity in cells, shear of walls on faces.
+/// Turbulence of a flow: eddy viscosity in cells, wall shear on faces.
 ///
-/// Towards a wall viscosity acts by links mu/(theta h^2) (FlowSolids; 2 mu/h^2 at a side of the
-/// box). What WallLaw has more is the factor y+/u+ on them:
+/// Viscosity acts towards a wall by links mu/(theta h^2) (FlowSolids; 2 mu/h^2 at a side of the
+/// box). WallLaw increases them by the factor y+/u+:
 ///   drag = sum link (y+/u+ - 1),  u+ y+ = |u - u_w| y/nu
-/// so that the area of a wall that lies askew is right as it is in laminar flow. Between velocities
-/// at distances y1 and y2 from a wall the profile is a logarithm, whose slope in the middle is less
-/// than its difference: there mu_t has the factor
+/// The area of an oblique wall is then right, as in laminar flow. Between velocities at the
+/// distances y1 and y2 from a wall the profile is logarithmic, and its slope in the middle is
+/// smaller than the difference quotient: there mu_t has the factor
 ///   edges = 2 (y2 - y1)/((y2 + y1) ln(y2/y1))
 struct FlowTurbulence {
   FlowTurbulence(const Grid& grid, const KEpsilon& m)
@@ -66,13 +67,13 @@ struct FlowTurbulence {
         push{CellField(grid), CellField(grid), CellField(grid)} {}
 
   MixingLength model;
-  std::optional<TwoEquations> two;  // instead of the length
-  bool ready = false;               // as the walls are
-  bool found = false;               // eddies are those of the velocities as they are
-  double largest = 0;               // [Pa s] eddy viscosity, at the last step
+  std::optional<TwoEquations> two;  // instead of the mixing length
+  bool ready = false;               // up to date with the walls
+  bool found = false;               // up to date with the velocities
+  double largest = 0;               // [Pa s] largest eddy viscosity of the last step
   WallUnits walls;
   CellField eddy;              // [Pa s]
-  CellField square, distance;  // [m2], [m] l^2 undamped, y; 0 in solids and beside walls
+  CellField square, distance;  // [m2], [m] l^2 undamped, y; 0 in solids and at walls
   Three open;                  // [-] faces between which eddies carry momentum: not those in walls
   std::array<Three, 3> edges;  // [-] of component d and direction e: from a face to the next
   Three drag, push;            // [kg/(m3 s)], [N/m3] of walls, beyond the laminar ones
@@ -89,7 +90,7 @@ struct FlowTurbulence {
     ready = true;
   }
 
-  /// Eddy viscosity and walls' shear in a flow; ghosts of `u` are filled.
+  /// Eddy viscosity and wall shear of a flow; ghosts of `u` are filled.
   void find(const Grid& grid, const FlowSides& sides, const Three& u, double density,
             double viscosity, const Team& team) {
     const double over[3] = {1 / grid.h().x, 1 / grid.h().y, 1 / grid.h().z};
@@ -156,7 +157,7 @@ struct FlowTurbulence {
     if (count > 0) walls.mean /= static_cast<double>(count);
     if (count == 0) walls = {};
   }
-  /// k of what flows in, of k-epsilon.
+  /// k of inflows, for k-epsilon.
   void renew_inflow(const FlowSides& sides) {
     for (int e = 0; e < 3 && two; ++e)
       for (int end = 0; end < 2; ++end)
@@ -174,7 +175,7 @@ struct FlowTurbulence {
     int i, j, k;
     double distance, share;  // [m]; [-] l over kappa y
     Vec3d wall;              // [m/s]
-    double middle;           // [m] distance of the middle of what is fluid of it
+    double middle;           // [m] distance of the middle of its fluid part
   };
   static std::size_t at(int d) { return static_cast<std::size_t>(d); }
 
@@ -187,7 +188,7 @@ struct FlowTurbulence {
         std::max(TwoEquations::least,
                  two->model.dissipation(two->k(c.i, c.j, c.k), WallLaw::kappa * c.middle));
   }
-  /// Inflows, and k and epsilon where nobody has set them; `fastest` [m/s] is of the flow.
+  /// Inflows, and initial k and epsilon where not set; `fastest` [m/s] of the flow.
   void begin(const Grid& grid, const FlowSides& sides, double nu, double fastest) {
     const KEpsilon& m = two->model;
     renew_inflow(sides);
@@ -205,7 +206,7 @@ struct FlowTurbulence {
           if (epsilon == 0) epsilon = m.dissipation(energy, l);
         }
   }
-  /// How much less the slope of a logarithm is, squared, than central differences have it.
+  /// Squared ratio of the slope of a logarithm to that of central differences.
   static double log_slopes(const Grid& grid, const FlowSides& sides, const FlowBoundary* boundary,
                            int i, int j, int k, double y) {
     const double h[3] = {grid.h().x, grid.h().y, grid.h().z};
@@ -223,11 +224,11 @@ struct FlowTurbulence {
       const double slope = std::log(beyond[1] / beyond[0]) / (2 * h[e]);
       if (std::isfinite(slope)) sum += slope * slope;
     }
-    // Far from walls it is 1, and near the middle of a pipe there is no logarithm.
+    // Far from walls it is 1, and near the middle of a pipe the profile is not logarithmic.
     return sum > 0 && std::sqrt(sum) * y > 1 ? 1 / (sum * y * y) : 1;
   }
 
-  /// Difference in direction e, over two cells and halved, of component d in the middle of a cell.
+  /// Half the difference over two cells in direction e of component d at the centre of a cell.
   static double slope(const CellField& v, int d, int e, int i, int j, int k) {
     const int a[3] = {d == 0, d == 1, d == 2}, b[3] = {e == 0, e == 1, e == 2};
     const auto pair = [&](int way) {
@@ -306,12 +307,12 @@ struct FlowTurbulence {
           for (int i = -1; i < n[0] + (d == 0); ++i) {
             const double a = y(i, j, k), b = y(i + s[0], j + s[1], k + s[2]);
             if (!(a > 0 && b > 0)) continue;
-            const bool flat = !(std::abs(a - b) > 1e-3 * (a + b));  // in free space too
+            const bool flat = !(std::abs(a - b) > 1e-3 * (a + b));  // includes open space
             share(i, j, k) = flat ? 1 : 2 * (b - a) / ((b + a) * std::log(b / a));
           }
     }
   }
-  /// From the nearest wall, and its velocity; `x` in cells.
+  /// Distance from the nearest wall, and its velocity; `x` in cells.
   static double distance_at(const Grid& grid, const FlowSides& sides, const FlowBoundary* boundary,
                             const double (&x)[3], Vec3d& wall) {
     double y = std::numeric_limits<double>::infinity();

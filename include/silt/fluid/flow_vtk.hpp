@@ -33,11 +33,10 @@ inline void write_cells(const std::string& path, const Grid& g, std::span<const 
 
 }  // namespace detail
 
-/// Writes a flow for ParaView, cell by cell: velocity [m/s] (between the particles; the mean of the
-/// cell's faces), pressure [Pa] (without the fluid's weight), voidage [-], and whether fluid can
-/// enter (1, or 0 within walls); with `weight` also pressure_with_weight [Pa]; of a flow with heat
-/// its temperature [K].
-/// `path` should end in .vti. `vtk_series` does it in a Simulation with a fluid.
+/// Writes a flow for ParaView, cell by cell: velocity [m/s] (interstitial; mean of the cell's
+/// faces), pressure [Pa] (without the fluid's weight), voidage [-], and `open` (1, or 0 inside
+/// walls); with `weight` also pressure_with_weight [Pa]; for a flow with heat its temperature [K].
+/// `path` should end in .vti. In a Simulation with a fluid, `vtk_series` writes the same.
 /// Errors: FileError if the file cannot be written. Tests: tests/fluid/flow_vtk.cpp.
 template <FlowOnGrid Flow>
 void write_flow(const std::string& path, const Flow& flow,

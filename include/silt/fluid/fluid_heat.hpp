@@ -15,38 +15,38 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The temperature of a FlowSolver's fluid; set_heat() gives the flow one.
+/// Temperature of a FlowSolver's fluid, added by set_heat().
 ///
 ///   rho c (d(m T)/dt + div(F T)) = div(m k grad T) + Q                                         (1)
 ///   Q = s + sum of b (T_p - T)                                                                 (2)
 ///
-/// with the fluid's share of space m and its fluxes F as in the momentum equations, so that a
-/// uniform temperature stays one to rounding, whatever the voidage does, and heat is kept to
-/// rounding. s are sources, the sum is that of particles (CoupledFlow). In turbulent flow k is
-/// k + c mu_t/turbulent_prandtl. Dissipation, work of pressure and changes of density are left out.
+/// with the fluid's share of space m and its fluxes F as in the momentum equations: a uniform
+/// temperature remains uniform to rounding for any void fraction, and heat is conserved to
+/// rounding. s are sources; the sum is that of particles (CoupledFlow). In turbulent flow k is k +
+/// c mu_t/turbulent_prandtl. Dissipation, pressure work and density changes are neglected.
 ///
-/// Buoyancy (Boussinesq): with `expansion` and `gravity` the fluid is pushed by
-/// -m rho expansion (T - reference_temperature) gravity; its density stays what it is.
+/// Buoyancy (Boussinesq): with `expansion` and `gravity` the force -m rho expansion (T -
+/// reference_temperature) gravity acts on the fluid; its density is constant.
 ///
-/// Numerics: upwind with minmod slopes: no cell leaves the range of its neighbours; then
-/// conduction,
-///   explicit, with the harmonic mean of m on faces; then walls and particles, implicit: steady
-///   states do not depend on the step, and no exchange is too stiff. Second order in space on
-///   smooth fields, in time first where something conducts or exchanges. A step is made in as many
-///   equal parts as keep out-flow and conduction below what a cell holds: more than most_parts are
-///   refused, else heat limits no step.
+/// Numerics: upwind with minmod slopes: each cell stays within the range of its neighbours. Then
+///           conduction, explicit, with the harmonic mean of m on faces; then walls and particles,
+///           implicit: steady states do not depend on the step, and stiff exchange is stable.
+///           Second order in space for smooth fields; first order in time with conduction or
+///           exchange. A step is divided into equal parts until outflow and conduction are below
+///           the content of a cell. More than most_parts are refused; otherwise heat does not limit
+///           the step.
 /// Units:  SI.
-/// Valid:  differences of temperature that leave density and viscosity nearly constant.
+/// Valid:  temperature differences with nearly constant density and viscosity.
 /// Tests:  tests/fluid/heat.cpp.
 struct FluidHeat {
   static constexpr int most_parts = 200;  // [-] of a step
 
   double heat_capacity = 0;                                        // [J/(kg K)] must be given
   double conductivity = std::numeric_limits<double>::quiet_NaN();  // [W/(m K)] must be given
-  double start_temperature = 293.15;      // [K] at first; of inflows that are not given another
+  double start_temperature = 293.15;      // [K] initial; also of inflows without a temperature
   double turbulent_prandtl = 0.85;        // [-]
   double expansion = 0;                   // [1/K] of the volume; 0: no buoyancy
-  double reference_temperature = 293.15;  // [K] at which there is no buoyancy
+  double reference_temperature = 293.15;  // [K] where buoyancy is 0
   Vec3d gravity{0, 0, 0};                 // [m/s2] for buoyancy alone
 
   void check() const {
@@ -61,19 +61,19 @@ struct FluidHeat {
     require(std::isfinite(expansion), "FluidHeat.expansion = ", expansion, " 1/K must be finite");
     require(expansion == 0 || (is_finite(gravity) && norm(gravity) > 0),
             "FluidHeat.expansion is given, but FluidHeat.gravity = ", gravity,
-            " m/s2 makes no buoyancy of it; give the gravity too");
+            " m/s2 gives no buoyancy; give the gravity too");
     require(expansion == 0 || std::isfinite(reference_temperature),
             "FluidHeat.reference_temperature = ", reference_temperature, " K must be finite");
   }
 };
 
-/// What a side of a flow's box is for heat. All left out: a wall is insulated, an inflow has
-/// FluidHeat::start_temperature, what flows back in at an outflow that of the cells beside it.
-/// Functions are asked once a step, for its end.
+/// Thermal condition of a side of a flow's box. Default: a wall is insulated, an inflow has
+/// FluidHeat::start_temperature, and backflow at an outflow has the temperature of the adjacent
+/// cells. Functions are called once per step, with the time of its end.
 struct SideHeat {
   using OfPlaceAndTime = std::function<double(const Vec3d& place, double time)>;
 
-  std::optional<double> temperature{};  // [K] of a wall, or of what flows in
+  std::optional<double> temperature{};  // [K] of a wall, or of inflow
   std::optional<double> flux{};         // [W/m2] into the fluid, through a wall
   OfPlaceAndTime temperature_at{};      // [K] of m, s: in place of `temperature`
   OfPlaceAndTime flux_at{};             // [W/m2] of m, s: in place of `flux`
@@ -82,15 +82,15 @@ struct SideHeat {
   bool has_flux() const { return flux || flux_at; }
 };
 
-/// Where a flow's heat is, and what it got since its first step with heat [J]: what is stored grows
-/// by the sum of the others, to rounding.
+/// Heat balance of a flow since its first step with heat [J]: the stored heat increases by the sum
+/// of the others, to rounding.
 struct FluidHeatBook {
   double stored = 0;         // above 0 K
-  double through_sides = 0;  // with what flows in and out, and through walls
+  double through_sides = 0;  // with inflow and outflow, and through walls
   double from_particles = 0;
   double from_sources = 0;
-  /// By which the heat changed between steps: temperature() was set, or the flow has counted anew
-  /// how much fluid is in its cells, as after a start with a jump, or where the voidage jumps.
+  /// Heat changed between steps: temperature() was set, or the flow has recounted the fluid in its
+  /// cells, as after a start with a jump, or where the void fraction jumps.
   double counted_anew = 0;
 
   double received() const { return through_sides + from_particles + from_sources + counted_anew; }
@@ -98,7 +98,7 @@ struct FluidHeatBook {
 
 namespace fluid_detail {
 
-/// The heat of a flow, in cells.
+/// Heat of a flow, in cells.
 struct FlowHeat {
   FlowHeat(const Grid& grid, const FluidHeat& given_heat)
       : of(given_heat),
@@ -117,8 +117,8 @@ struct FlowHeat {
   CellField temperature;        // [K]
   CellField source;             // [W/m3] s
   CellField exchange, given;    // [W/(m3 K)], [W/m3] sums of b, b T_p
-  CellField link, pull;         // the same of walls at sides
-  CellField seen;               // [K] what particles saw in the last step
+  CellField link, pull;         // the same for walls at sides
+  CellField seen;               // [K] seen by particles in the last step
   std::vector<CellField> push;  // [N/m3] force() with buoyancy; empty without
   std::array<std::array<SideHeat, 2>, 3> sides;
   FluidHeatBook book;  // stored: at the end of the last step; -1: none

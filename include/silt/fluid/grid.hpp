@@ -15,16 +15,16 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A box cut into nx x ny x nz equal cells, periodic or not in each direction: the mesh of the
-/// embedded flow solver, and the one layout in memory of all its fields.
+/// A box divided into nx x ny x nz equal cells, periodic or not in each direction: mesh of the
+/// built-in flow solver, and memory layout of all its fields.
 ///
-/// Cell (i, j, k) spans box.min + (i, j, k) h to box.min + (i+1, j+1, k+1) h. A value of a cell
-/// field stands at the cell's centre, a value (i, j, k) of a face field of one direction at the
-/// LOWER face of that cell in that direction, so that n is the index of the uppermost face.
-/// i runs fastest. There are `ghost` layers of cells beyond each side; rows (all i of one j, k)
-/// begin on a 64-byte boundary and have room for whole vectors of 8 doubles.
+/// Cell (i, j, k) extends from box.min + (i, j, k) h to box.min + (i+1, j+1, k+1) h. Values of a
+/// cell field are at the cell centres. Value (i, j, k) of a face field of one direction is at the
+/// LOWER face of that cell in that direction; n is the index of the uppermost face. i runs fastest.
+/// There are `ghost` layers of cells beyond each side. Rows (all i of one j, k) begin on a 64-byte
+/// boundary and are padded to whole vectors of 8 doubles.
 ///
-/// Errors: InputError for a box without volume or not finite, for no cells, for too many.
+/// Errors: InputError for a box without volume or not finite, for no cells, or too many.
 /// Tests:  tests/fluid/grid.cpp.
 class Grid {
  public:
@@ -63,7 +63,7 @@ class Grid {
   /// Size of a cell [m].
   const Vec3d& h() const { return h_; }
   double cell_volume() const { return h_.x * h_.y * h_.z; }  // [m3]
-  /// The number of cells without ghosts.
+  /// Number of cells without ghosts.
   std::size_t size() const {
     return static_cast<std::size_t>(nx()) * static_cast<std::size_t>(ny()) *
            static_cast<std::size_t>(nz());
@@ -74,19 +74,20 @@ class Grid {
             box_.min.z + (k + 0.5) * h_.z};
   }
 
-  /// @name The layout of a field
+  /// @name Layout of a field
   /// @{
   /// Number of values from row (j, k) to (j + 1, k), and from (j, k) to (j, k + 1).
   std::size_t row_stride() const { return stride_; }
   std::size_t plane_stride() const { return plane_; }
-  /// Where value (i, j, k) stands; each index from -ghost to n + ghost: on faces, of which there is
-  /// one more than cells, that is as many ghosts at both ends.
+  /// Position of value (i, j, k); each index from -ghost to n + ghost: on faces, of which there is
+  /// one more than cells, this gives equal numbers of ghosts at both ends.
   std::size_t index(int i, int j, int k) const {
     const auto at = static_cast<std::ptrdiff_t>(vector) + i;
     return static_cast<std::size_t>(at) + static_cast<std::size_t>(j + ghost) * stride_ +
            static_cast<std::size_t>(k + ghost) * plane_;
   }
-  /// Number of values of a field. A row's upper ghosts may stand before the next row's lower ones.
+  /// Number of values of a field. A row's upper ghosts may overlap the next row's lower ones in
+  /// memory.
   std::size_t storage() const {
     return plane_ * static_cast<std::size_t>(nz() + 2 * ghost + 1) + 2 * vector;
   }
@@ -108,7 +109,7 @@ class Grid {
   std::size_t stride_, plane_;
 };
 
-/// One number a cell, or a face of one direction, in the layout of a Grid, ghosts included.
+/// One number per cell, or per face of one direction, in the layout of a Grid, including ghosts.
 class CellField {
  public:
   explicit CellField(const Grid& grid, double value = 0)
@@ -117,16 +118,16 @@ class CellField {
   const Grid& grid() const { return grid_; }
   double& operator()(int i, int j, int k) { return values_[grid_.index(i, j, k)]; }
   double operator()(int i, int j, int k) const { return values_[grid_.index(i, j, k)]; }
-  /// The value of i = 0 in row (j, k), on a 64-byte boundary; those of other i follow and precede.
+  /// Value i = 0 of row (j, k), on a 64-byte boundary; other i precede and follow.
   double* row(int j, int k) { return values_.data() + grid_.index(0, j, k); }
   const double* row(int j, int k) const { return values_.data() + grid_.index(0, j, k); }
-  /// All numbers as they stand in memory, ghosts and gaps included.
+  /// All numbers in memory order, including ghosts and padding.
   std::span<double> values() { return values_; }
   std::span<const double> values() const { return values_; }
   void fill(double value) { std::fill(values_.begin(), values_.end(), value); }
 
-  /// Copies into the ghosts of every periodic direction what stands at the other side; edges and
-  /// corners too. Ghosts of the other directions are left as they are.
+  /// Fills the ghosts of every periodic direction from the other side, including edges and corners.
+  /// Ghosts of other directions do not change.
   void wrap_ghosts() {
     constexpr int g = Grid::ghost;
     const int nx = grid_.nx(), ny = grid_.ny(), nz = grid_.nz();

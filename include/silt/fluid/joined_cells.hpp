@@ -10,15 +10,15 @@
 
 namespace silt::inline SILT_TARGET::fluid_detail {
 
-/// Cells whose centres are in a wall, joined with cells beside them. Few particles have their
-/// centres in such a cell, or none: what they spread has one density in each group, by the fluid's
-/// volume, and what they gather from it is the group's mean, so that the one is still the other's
-/// adjoint.
+/// Groups of cells: those with their centres in a wall are merged with neighbours. Such a cell
+/// contains few or no particle centres. Particles distribute to a group with one density per fluid
+/// volume, and gather the mean of the group; the two operations remain adjoint.
 class JoinedCells {
  public:
-  /// A cell whose centre is in a wall goes with the neighbour, centre in the fluid, to which it has
-  /// the widest way. `area` of faces, `share` of cells: [-] what of them is in the fluid.
-  void find(const Grid& grid, const FlowBoundary& boundary, const Three& area, const CellField& share) {
+  /// A cell with its centre in a wall is merged with the neighbour, with its centre in the fluid,
+  /// that has the widest opening to it. `area` of faces, `share` of cells: [-] open shares.
+  void find(const Grid& grid, const FlowBoundary& boundary, const Three& area,
+            const CellField& share) {
     std::map<std::array<int, 3>, std::vector<Cell>> groups;  // by the cell with its centre in fluid
     const auto& n = grid.cells();
     const auto of = [&](const std::array<int, 3>& c) { return share(c[0], c[1], c[2]); };
@@ -49,7 +49,7 @@ class JoinedCells {
     groups_.clear();
     for (auto& [_, group] : groups) groups_.push_back(std::move(group));
   }
-  /// Amounts, in proportion to shares.
+  /// Distributes amounts in proportion to shares.
   void spread(CellField& amounts) const {
     for (const auto& g : groups_) {
       double sum = 0, shares = 0;
@@ -57,7 +57,7 @@ class JoinedCells {
       for (const auto& c : g) amounts(c.at[0], c.at[1], c.at[2]) = sum * c.share / shares;
     }
   }
-  /// Values, by their mean.
+  /// Replaces values by their mean.
   void average(CellField& values) const {
     for (const auto& g : groups_) {
       double sum = 0, shares = 0;

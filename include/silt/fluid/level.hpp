@@ -13,8 +13,9 @@
 
 namespace silt::inline SILT_TARGET::fluid_detail {
 
-/// Values of a level. Arrays begin at other places of a page each: a kernel reads a dozen at the
-/// same place, and at one place of all pages a first-level cache holds eight lines or so.
+/// Values of a level. Arrays start at different offsets within a page: a kernel reads a dozen
+/// arrays at the same index, and a first-level cache holds only about eight lines with the same
+/// offset.
 template <class Scalar>
 class LevelArray {
  public:
@@ -33,16 +34,18 @@ class LevelArray {
   AlignedVector<Scalar> values_;
 };
 
-/// One grid of the multigrid: coefficients of faces and cells, unknown and right side, in float.
+/// One grid of the multigrid: coefficients of faces and cells, unknown and right-hand side, in
+/// float.
 ///
 /// Every direction wraps; where the grid does not, the faces of index 0 are closed (a = 0).
 struct Level {
   std::array<int, 3> n{};                   // cells [-]
   std::array<bool, 3> wraps{};              // the last cell is coupled with the first
   std::array<bool, 3> halved{};             // directions in which the next level has half the cells
-  std::array<std::vector<float>, 3> width;  // of the cells, in those of the finest [-]
+  std::array<std::vector<float>, 3> width;  // of the cells, in units of the finest [-]
   std::array<LevelArray<float>, 3> a;       // coefficients of the lower faces
-  LevelArray<float> d, inverse, x, r;       // diagonal, 1 / (sum a + d) or 0, unknown, right side
+  LevelArray<float> d, inverse, x, r;       // diagonal, 1 / (sum a + d) or 0, unknown, right-hand
+                                            // side
   std::vector<std::uint8_t> row_has_d;
   std::vector<std::array<double, 3>> plane_sums;  // of a over each plane
   std::ptrdiff_t half = 0;            // from the cells of even i of a row to those of odd i
@@ -50,7 +53,8 @@ struct Level {
 
   Level(const std::array<int, 3>& cells, const std::array<bool, 3>& wrap) : n(cells), wraps(wrap) {
     const std::size_t most = pieces(static_cast<std::size_t>(n[0] + 1) / 2, room) * room;
-    half = static_cast<std::ptrdiff_t>(most) + room;  // between them i = n and, from behind, i = -1
+    half = static_cast<std::ptrdiff_t>(most) + room;  // between them i = n and, from the other
+                                                      // side, i = -1
     stride = 2 * most + room;
     constexpr std::size_t page = 1024, apart = 21 * 16;  // floats; see LevelArray
     plane = stride * static_cast<std::size_t>(n[1]);
@@ -103,19 +107,19 @@ struct Level {
     return {v + begin(j, k), v + begin(before(1, j), k), v + begin(after(1, j), k),
             v + begin(j, before(2, k)), v + begin(j, after(2, k))};
   }
-  /// Copies what stands at the other end of a row.
+  /// Copies the values at the other end of a row.
   void wrap_row(float* row) const {
     if (!wraps[0]) return;
     const int last = n[0] - 1;
     row[half - 1] = row[last / 2 + (last % 2) * half];
     row[n[0] / 2 + (n[0] % 2) * half] = row[0];
   }
-  /// How much a coarser face is further from centre to centre than the finer one i.
+  /// Ratio of the distance of coarse cell centres to that of the fine face i.
   float distance(std::size_t c, int i) const {
     const auto at = [&](int of) { return width[c][static_cast<std::size_t>(of)]; };
     return 0.5f * (at(i) + at(before(static_cast<int>(c), i)));
   }
-  /// From a and d of plane k and of the next: the inverse of the whole diagonal.
+  /// Inverse of the whole diagonal, from a and d of plane k and of the next.
   void invert_diagonal(int k) {
     for (int j = 0; j < n[1]; ++j) {
       const FaceRows f = faces(j, k);

@@ -7,8 +7,8 @@
 #include <silt/core/lanes.hpp>
 #include <silt/core/target.hpp>
 
-/// One machine code of a function, not a copy at each call: compilers may fuse a product and a sum
-/// in one copy and not in another, and results would depend on who calls, hence on threads.
+/// Prevents inlining, for one machine code of a function: compilers may fuse a product and a sum in
+/// one copy and not in another, and results would depend on the caller, hence on threads.
 #if defined(__clang__)
 #define SILT_ONE_COPY inline __attribute__((noinline))
 #elif defined(__GNUC__)
@@ -19,17 +19,17 @@
 
 /// Operations on single rows of a level of the multigrid: floats, whole packs of lanes.
 ///
-/// A row holds its cells of even i, then, `half` values on, those of odd i: cells of one colour of
-/// a row then follow each other, and of a pack no lane is idle. Both halves begin on a boundary of
-/// 64 bytes and have room for whole multiples of 16. What stands between and behind the cells may
-/// be read and written; there the inverse diagonal is 0, so that unknowns stay 0.
+/// A row contains its cells of even i and, `half` values further, those of odd i: cells of one
+/// colour of a row are then consecutive, and all lanes of a pack are used. Both halves begin on a
+/// 64-byte boundary and are padded to multiples of 16. Padding may be read and written; there the
+/// inverse diagonal is 0, and unknowns stay 0.
 namespace silt::inline SILT_TARGET::fluid_detail {
 
 using Pack = Lanes<DefaultArch, float>::Real;
 inline constexpr int lanes = static_cast<int>(Lanes<DefaultArch, float>::width);
-inline constexpr int room = 16;  // rows have room for a multiple of this
+inline constexpr int room = 16;  // rows are padded to a multiple of this
 
-/// How many cells of a row of n have even i (half 0) or odd i (half 1).
+/// Number of cells of a row of n with even i (half 0) or odd i (half 1).
 constexpr int cells_of_half(int n, int h) { return (n + 1 - h) / 2; }
 
 /// Row (j, k) of the operator: coefficients of the six faces of its cells. `y_up` is y_low of row
@@ -38,15 +38,15 @@ struct FaceRows {
   const float *x, *y_low, *y_up, *z_low, *z_up;
   const float* diagonal;  // d of the row, or null where it is zero
 };
-/// Row (j, k) of an unknown, whose values of i = -1 and n are set, and its four neighbours.
+/// Row (j, k) of an unknown, with its values of i = -1 and n set, and its four neighbours.
 template <class Float>
 struct NeighbourRows {
   Float* at;
   const float *y_low, *y_up, *z_low, *z_up;
 };
 
-/// Where the lower and the upper neighbours in x of the cells of a half stand, and the coefficients
-/// of their upper faces: those of even i lie between odd ones, and the reverse.
+/// Positions of the lower and upper neighbours in x of the cells of a half, and coefficients of
+/// their upper faces: those of even i are between odd ones, and vice versa.
 struct Sides {
   std::ptrdiff_t own, lower, upper;
   Sides(int h, std::ptrdiff_t half)
@@ -71,7 +71,7 @@ SILT_ONE_COPY void relax_row(int n, int h, std::ptrdiff_t half, const FaceRows& 
   }
 }
 
-/// The same for the m-th cell of even i alone.
+/// The same for only the m-th cell of even i.
 inline void relax_cell(int m, std::ptrdiff_t half, const FaceRows& a, const float* inverse,
                        const float* r, const NeighbourRows<float>& x) {
   const std::ptrdiff_t lower = half - 1 + m, upper = half + m;
@@ -80,7 +80,7 @@ inline void relax_cell(int m, std::ptrdiff_t half, const FaceRows& a, const floa
              a.y_up[m] * x.y_up[m] + a.z_low[m] * x.z_low[m] + a.z_up[m] * x.z_up[m]);
 }
 
-/// The first of the sweeps, where the unknown is zero: x = r / diagonal for the cells of one half.
+/// First sweep, with a zero unknown: x = r / diagonal for the cells of one half.
 inline void relax_row_from_zero(int n, int h, std::ptrdiff_t half, const float* inverse,
                                 const float* r, float* x) {
   const std::ptrdiff_t own = h == 0 ? 0 : half;
@@ -88,8 +88,8 @@ inline void relax_row_from_zero(int n, int h, std::ptrdiff_t half, const float* 
     store(x + own + m, load<Pack>(r + own + m) * load<Pack>(inverse + own + m));
 }
 
-/// A x of a pack of cells from the m-th of a half on, by differences: what is lost to rounding is
-/// then small against a |x - x_neighbour|.
+/// A x of a pack of cells from the m-th of a half on, by differences: rounding errors are then
+/// small compared with a |x - x_neighbour|.
 SILT_INLINE Pack apply_pack(int m, const Sides& side, const FaceRows& a,
                             const NeighbourRows<const float>& x) {
   const std::ptrdiff_t i = side.own + m;
@@ -137,7 +137,7 @@ SILT_ONE_COPY void add_residual(int from, int count, const Sides& side, const Fa
                        (load<Pack>(r + side.own + from + m) - apply_pack(from + m, side, a, x)));
 }
 
-/// u . v of rows of n values, halves and all between; there one of both is 0.
+/// u . v of rows of n values, both halves with padding; there one factor is 0.
 SILT_ONE_COPY double dot_row(std::size_t n, const float* u, const float* v) {
   Pack sum(0.0f);
   for (std::size_t i = 0; i < n; i += lanes)

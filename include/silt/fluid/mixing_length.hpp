@@ -11,16 +11,16 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Velocity over a smooth wall, from it through the viscous layer into the logarithmic one:
+/// Velocity profile over a smooth wall, from the viscous layer to the logarithmic layer:
 ///
 ///   y+ = u+ + exp(-kappa B) (exp(kappa u+) - 1 - kappa u+ - (kappa u+)^2/2 - (kappa u+)^3/6)   (1)
 ///   nu_t / nu = dy+/du+ - 1                                                                    (2)
 ///
 /// u+ = u/u*, y+ = u* y/nu, u* = sqrt(tau_wall/rho).
-/// Source: D. B. Spalding, J. Appl. Mech. 28 (1961) 455; kappa and B as in the law of friction of
-///   smooth pipes (H. Schlichting, Boundary-Layer Theory, 7th ed., 1979, ch. XX).
-/// Valid:  walls without roughness, flows along them that nothing holds up: not where they
-/// separate. Tests:  tests/fluid/turbulence.cpp, tests/fluid/k_epsilon.cpp
+/// Source: D. B. Spalding, J. Appl. Mech. 28 (1961) 455; kappa and B as in the friction law of
+///         smooth pipes (H. Schlichting, Boundary-Layer Theory, 7th ed., 1979, ch. XX).
+/// Valid:  smooth walls, attached flows along them; not in separation.
+/// Tests:  tests/fluid/turbulence.cpp, tests/fluid/k_epsilon.cpp
 struct WallLaw {
   static constexpr double kappa = 0.4, B = 5.5;
 
@@ -33,7 +33,7 @@ struct WallLaw {
     const double k = kappa * u_plus;
     return kappa * lift() * (std::exp(k) - 1 - k - k * k / 2);
   }
-  /// u+ at a place with u y / nu = u+ y+ = `reynolds`.
+  /// u+ at a point with u y / nu = u+ y+ = `reynolds`.
   static double u_plus(double reynolds) {
     static const Table table(searched);
     return table.covers(reynolds) ? newton(table(reynolds), reynolds) : searched(reynolds);
@@ -82,8 +82,8 @@ struct WallLaw {
     return u;
   }
 
-  /// ln u+ over the logarithm of what it is searched by, cubic between 32 values a factor of e: its
-  /// error, below 1e-7, is squared by one step of Newton's.
+  /// Table of ln u+ over the logarithm of the argument, cubic interpolation between 32 values a
+  /// factor of e apart. Its error, below 1e-7, is squared by one Newton step.
   class Table {
    public:
     explicit Table(double (*of)(double)) {
@@ -94,7 +94,7 @@ struct WallLaw {
       const double place = (std::log(x) - from) * density;
       const int k = std::clamp(static_cast<int>(place), 1, count - 3);
       const double t = place - k, *const v = &values_[at(k)];
-      // Lagrange, through four.
+      // Lagrange interpolation with four points.
       return std::exp(v[-1] * (-t * (t - 1) * (t - 2) / 6) +
                       v[0] * ((t + 1) * (t - 1) * (t - 2) / 2) +
                       v[1] * (-(t + 1) * t * (t - 2) / 2) + v[2] * ((t + 1) * t * (t - 1) / 6));
@@ -114,15 +114,15 @@ struct WallLaw {
 ///   l/R = (0.14 - 0.08 (1 - y/R)^2 - 0.06 (1 - y/R)^4) (1 - exp(-y+/26))                       (2)
 ///
 /// y is the distance from the nearest wall, y+ = y sqrt(tau/rho)/nu with the local shear stress.
-/// With it the momentum equations have tau + mu_t (grad u + grad u'); in cells beside walls mu_t is
-/// that of WallLaw, and so is the shear that walls exert on what flows along them, whose first cell
-/// may be in the viscous layer or in the logarithmic one.
+/// The momentum equations then have tau + mu_t (grad u + grad u'). In cells at walls mu_t and the
+/// wall shear are those of WallLaw; the first cell may be in the viscous or in the logarithmic
+/// layer.
 ///
 /// Source: J. Nikuradse, VDI-Forschungsheft 356 (1932), and H. Schlichting, Boundary-Layer Theory,
-///   7th ed., 1979, eq. (20.18) (length); E. R. van Driest, J. Aeronaut. Sci. 23 (1956) 1007.
-/// Valid:  flows along walls; for those that separate take KEpsilon. Grains do not change it. Least
-///   sure where y+ of the first cells is below some 40 (FlowSolver::wall_units()): there friction
-///   is up to 13 % too high, and 35 % along walls askew to the cells.
+///         7th ed., 1979, eq. (20.18) (length); E. R. van Driest, J. Aeronaut. Sci. 23 (1956) 1007.
+/// Valid:  flows along walls; for separated flows use KEpsilon. Particles do not change it. Least
+///         accurate if y+ of the first cells is below some 40 (FlowSolver::wall_units()): there
+///         friction is up to 13 % too high, and 35 % at walls oblique to the cells.
 /// Tests:  tests/fluid/turbulence.cpp
 /// Units:  SI.
 /// Errors: InputError naming field, value, unit and allowed range.

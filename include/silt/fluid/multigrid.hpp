@@ -15,9 +15,9 @@
 
 namespace silt::inline SILT_TARGET::fluid_detail {
 
-/// One V-cycle of geometric multigrid as the symmetric preconditioner of conjugate gradients:
-/// red-black Gauss-Seidel, `sweeps` times before (red, black) and after (black, red), piecewise
-/// constant transfer, levels of half the cells down to one cell. Float throughout.
+/// One V-cycle of geometric multigrid as a symmetric preconditioner of conjugate gradients:
+/// red-black Gauss-Seidel, `sweeps` times before (red, black) and after (black, red) the coarser
+/// level, piecewise constant transfer, levels of half the cells down to one cell. All in float.
 class Multigrid {
  public:
   static constexpr int sweeps = 2;  // before and after the coarser level [-]
@@ -30,12 +30,12 @@ class Multigrid {
   std::size_t levels() const { return levels_.size(); }
   const Level& level(std::size_t l) const { return levels_[l]; }
 
-  /// Unknowns and right sides of all levels become 0.
+  /// Sets unknowns and right-hand sides of all levels to 0.
   void forget() {
     for (Level& level : levels_) level.x.clear(), level.r.clear();
   }
 
-  /// Makes the coarser levels, once the finest has its coefficients.
+  /// Makes the coarser levels from the coefficients of the finest.
   void coarsen(const Team& team) {
     for (std::size_t l = 0;; ++l) {
       const auto halved = directions_to_halve(levels_[l]);
@@ -64,7 +64,7 @@ class Multigrid {
   }
 
  private:
-  /// Small levels are not worth waking threads for.
+  /// Small levels run without threads.
   const Team& team_for(std::size_t l, const Team& team) const {
     const auto& n = levels_[l].n;
     return static_cast<double>(n[0]) * n[1] * n[2] < 8192 ? alone_ : team;
@@ -82,7 +82,7 @@ class Multigrid {
                       6 * sizeof(float) * level.stride,
                       level.wraps[2],
                       level.wraps[1]};
-    // Where cells of one colour are coupled across a seam the first sweep is not r / diagonal.
+    // If cells of one colour are coupled across a seam, the first sweep is not r / diagonal.
     const bool seam = level.has_seam();
     if (seam) level.x.clear();
     sweep_planes(team, order, [&](int s, int k, int from, int to) {
@@ -120,8 +120,8 @@ class Multigrid {
   }
 
   /// Relaxes the cells of the stage's colour (even stages: i + j + k even) of rows of plane k. The
-  /// last cell of an odd number, coupled with the first of the same colour, follows it, or goes
-  /// before it if `after`: both at once would exchange what is wrong in them.
+  /// last cell of an odd number, coupled with the first of the same colour, is processed after it,
+  /// or before it if `after`: in parallel they would exchange their errors.
   static void relax_rows(Level& level, int stage, int k, int from, int to, bool after) {
     const bool seam = level.wraps[0] && level.n[0] % 2 == 1 && level.n[0] > 1;
     for (int row = from; row < to; ++row) {
@@ -149,9 +149,9 @@ class Multigrid {
 
   static constexpr int chunk = 256;
 
-  /// Calls what(h) for the halves of row (j, k) that hold cells of even i + j + k. The others need
-  /// no transfer: the sweep before it left them no residual, the sweep after it sets them anew
-  /// whatever they are. Not so at a seam.
+  /// Calls what(h) for the halves of row (j, k) with cells of even i + j + k. The others need no
+  /// transfer: the sweep before leaves no residual there, and the sweep after overwrites them. Not
+  /// so at a seam.
   template <class What>
   static void for_halves(const Level& level, int j, int k, const What& what) {
     const int h = (j + k) & 1;
@@ -159,7 +159,7 @@ class Multigrid {
     if (level.has_seam()) what(1 - h);
   }
 
-  /// r of row (j, k) of the coarser level: the sum of the finer residuals.
+  /// r of row (j, k) of the coarser level: the sum of the fine residuals.
   static void restrict_row(const Level& fine, Level& coarse, int j, int k) {
     alignas(64) float sums[2][chunk];
     const int by_x = fine.halved[0] ? 2 : 1, by_y = fine.halved[1] ? 2 : 1,

@@ -9,33 +9,34 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// How sweeps over the planes of a grid follow each other.
+/// Sequence of sweeps over the planes of a grid.
 struct PlaneSweeps {
   int planes, rows;           // of the grid; rows of each plane [-]
   int stages;                 // sweeps, each over all planes [-]
-  std::size_t row_bytes;      // that a stage reads and writes a row
+  std::size_t row_bytes;      // read and written by a stage per row
   bool wraps_planes = false;  // the last plane is coupled with the first
   bool wraps_rows = false;    // the last row of each plane is coupled with its first
-  bool backward = false;      // the adjoint order where the order matters: wraps of odd numbers
+  bool backward = false;      // adjoint order where the order matters: wraps of odd numbers
 };
 
-/// Calls stage(s, k, from, to) for rows from ... to-1 of plane k, for all stages s, planes and rows
-/// as if every stage swept over all planes before the next one begins, but in an order that finds
-/// rows still in cache.
+/// Calls stage(s, k, from, to) for rows from ... to-1 of plane k, for all stages s, planes and
+/// rows. The result is that of successive sweeps over all planes, but in an order that keeps rows
+/// in cache.
 ///
-/// Stage s of row (j, k) may read it and its four neighbours and write it; of what it reads from a
-/// neighbour nothing may be written there by stage s (red-black: the other colour). Planes are done
-/// in a wave, stage s one plane behind stage s-1, and within a plane in strips of rows, stage s one
-/// row behind (parallelograms in time), so that the rows of all stages fit a core's own cache.
-/// Threads take slabs of planes: in each, stage s leaves out the s planes next to another slab,
-/// which are done when both slabs are (trapezoids in time). The numbers are those of plain sweeps,
-/// bit for bit, whatever the number of threads. Rows of one stage and plane come in rising order.
+/// Stage s of row (j, k) may read the row and its four neighbours and write the row; it must not
+/// read values of a neighbour that stage s writes there (red-black: the other colour). Planes are
+/// processed in a wave, stage s one plane behind stage s-1, and within a plane in strips of rows,
+/// stage s one row behind (parallelograms in time); the rows of all stages then fit a core's own
+/// cache. Threads process slabs of planes: in each, stage s omits the s planes next to another
+/// slab, which are processed when both slabs are done (trapezoids in time). The numbers are those
+/// of plain sweeps, bit for bit, for any number of threads. Rows of one stage and plane come in
+/// ascending order.
 ///
-/// Where the first and the last plane of an odd number are coupled, they have the same colour and
-/// the order matters: plain sweeps, the last plane after the others, or before them if `backward`.
+/// If the first and the last plane of an odd number are coupled, they have the same colour and the
+/// order matters: plain sweeps, the last plane after the others, or before them if `backward`.
 template <class Stage>
 void sweep_planes(const Team& team, const PlaneSweeps& of, const Stage& stage) {
-  constexpr std::size_t cache_bytes = 400000;  // of 512 KiB to 2 MiB that a core has to itself
+  constexpr std::size_t cache_bytes = 400000;  // of 512 KiB to 2 MiB of a core's own cache
   const int n = of.planes, stages = of.stages, rows = of.rows;
   if (of.wraps_planes && (n % 2 == 1 || n < 2 * stages)) {
     const bool seam = n % 2 == 1 && n > 1;

@@ -17,11 +17,12 @@
 
 namespace silt::inline SILT_TARGET::fluid_detail {
 
-/// The coefficients of PressureSolver as the caller's fields hold them, in double; makes those of
-/// the finest level from them, times a power of two so that floats hold them.
+/// Coefficients of PressureSolver in the caller's fields, in double; converts them to those of the
+/// finest level, times a power of two that fits them into floats.
 class PressureCoefficients {
  public:
-  /// Takes and checks the fields, which must live on; sets a, d and the inverse of `level`.
+  /// Takes and checks the fields, which must outlive this object; sets a, d and the inverse of
+  /// `level`.
   void set(const std::array<const CellField*, 4>& fields, Level& level, const Team& team) {
     fields_ = fields;
     const double largest = convert(level, team);
@@ -30,10 +31,10 @@ class PressureCoefficients {
       convert(level, team);
     }
   }
-  /// A coefficient of the finest level over that of the fields.
+  /// Ratio of a coefficient of the finest level to that of the fields.
   double scale() const { return scale_; }
 
-  /// The connected sets of cells, found anew only where a face or a cell has opened or closed.
+  /// Connected sets of cells; computed again only if a face or a cell has opened or closed.
   const Components& components() {
     if (changed_) components_.find(openings_, grid().cells());
     changed_ = false;
@@ -41,7 +42,8 @@ class PressureCoefficients {
   }
 
   /// r of plane k of `level` = scale (b - A p); returns |b - A p|^2 of the plane.
-  double residual_plane(int k, const CellField& b, const CellField& p, double scale, Level& level) const {
+  double residual_plane(int k, const CellField& b, const CellField& p, double scale,
+                        Level& level) const {
     double sum = 0;
     for (int j = 0; j < grid().ny(); ++j) {
       const int low_j = level.before(1, j), high_j = level.after(1, j);
@@ -110,7 +112,7 @@ class PressureCoefficients {
     level.plane_sums[static_cast<std::size_t>(k)] = {sums[0], sums[1], sums[2]};
   }
 
-  /// Says which coefficient of plane k is wrong.
+  /// Reports the wrong coefficient of plane k.
   [[gnu::cold]] void refuse_plane(int k, const Level& level) const {
     constexpr const char* names[4] = {"ax", "ay", "az", "d"};
     for (std::size_t f = 0; f < 4; ++f)

@@ -21,18 +21,18 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// When PressureSolver stops.
+/// Stopping criterion of PressureSolver.
 struct PressureTolerance {
   double relative = 1e-6;     // |b - A p| / |b| [-]
   int most_iterations = 200;  // [-]
 };
 
-/// What came of one solve. |v| is the root of the sum of squares over the cells.
+/// Result of one solve. |v| is the root of the sum of squares over the cells.
 struct PressureSolution {
   int iterations = 0;      // of conjugate gradients, one V-cycle each [-]
-  double residual = 0;     // |b - A p| / |b|, b without what was removed, in double precision [-]
-  double removed = 0;      // what was removed from b to make it solvable, relative to |b| [-]
-  bool converged = false;  // residual <= relative, or rounding of b beside what was removed
+  double residual = 0;     // |b - A p| / |b|, b without the removed part, in double precision [-]
+  double removed = 0;      // part removed from b to make it solvable, relative to |b| [-]
+  bool converged = false;  // residual <= relative, or rounding of b compared with the removed part
   std::string reason;      // why not, one sentence; empty if converged
 };
 
@@ -41,26 +41,26 @@ struct PressureSolution {
 ///   (A p)_c = sum over the six faces of a_f (p_c - p_neighbour) + d_c p_c                      (1)
 ///
 /// with coefficients a_f >= 0 of the faces and d_c >= 0 of the cells (a Dirichlet value p_0 beyond
-/// a face of coefficient w is d_c += w, b_c += w p_0). Units are the caller's: a, d and b / p share
-/// one. Periodic directions wrap, their face n being face 0; faces at the boundary of other
-/// directions are closed whatever their a. Cells without open faces and with d = 0 are blocked:
-/// p = 0. A connected set of cells without any d > 0 is solved for b less its mean over the set,
-/// and the mean of p over the set is 0.
+/// a face with the coefficient w: d_c += w, b_c += w p_0). Units are the caller's: a, d and b / p
+/// have the same unit. Periodic directions wrap; their face n is face 0. Faces at the boundary of
+/// other directions are closed for any a. Cells without open faces and with d = 0 are blocked: p =
+/// 0. For a connected set of cells without d > 0, b minus its mean over the set is used, and the
+/// mean of p over the set is 0.
 ///
 /// Method: conjugate gradients preconditioned by a symmetric V-cycle of geometric multigrid (see
-/// multigrid.hpp), both in float; p in double, and the residual is computed anew in double whenever
-/// it has dropped by 1e-4 and at the end ("reliable updates"), so that the result is as good as of
-/// double throughout. Memory: about 65 bytes a cell (9 floats, 2 doubles, labels; coarser levels).
+/// multigrid.hpp), both in float; p in double. The residual is recomputed in double whenever it has
+/// dropped by 1e-4 and at the end ("reliable updates"); the result is as accurate as with double
+/// throughout. Memory: about 65 bytes per cell (9 floats, 2 doubles, labels; coarser levels).
 /// Source: O. Tatebe, The multigrid preconditioned conjugate gradient method, 6th Copper Mountain
 ///   Conf. on Multigrid Methods, NASA CP-3224, 1993, 621-634; G. L. G. Sleijpen, H. A. van der
 ///   Vorst, Reliable updated residuals in hybrid Bi-CG methods, Computing 56, 1996, 141-163,
 ///   doi:10.1007/BF02309342.
-/// Valid: contrasts of a to 1e4 and more, whatever the sizes. Rows of few cells (nx < 16) cost as
-///   if they had 16: let x be a long direction.
-/// Threads: results are the same, bit for bit, for every number of threads.
-/// Errors: InputError for coefficients that are negative or no numbers, and for other grids. A
-///   solve that fails says so in what it returns.
-/// Tests: tests/fluid/pressure_solver.cpp; speed: benchmarks/fluid/bench_pressure.cpp.
+/// Valid:  contrasts of a to 1e4 and more, for any sizes. Rows of few cells (nx < 16) cost as much
+///         as rows of 16: use a long direction as x.
+/// Threads: results are equal, bit for bit, for every number of threads.
+/// Errors: InputError for coefficients that are negative or not finite, and for other grids. A
+///         failed solve is reported in the result.
+/// Tests:  tests/fluid/pressure_solver.cpp; speed: benchmarks/fluid/bench_pressure.cpp.
 class PressureSolver {
  public:
   PressureSolver(const PressureSolver&) = delete;
@@ -75,12 +75,13 @@ class PressureSolver {
 
   const Grid& grid() const { return grid_; }
   const fluid_detail::Multigrid& multigrid() const { return multigrid_; }
-  /// Number of connected sets of cells that no d > 0 holds.
+  /// Number of connected sets of cells without d > 0.
   std::size_t floating_sets() const { return components_ ? components_->sizes.size() : 0; }
 
-  /// Takes new coefficients: of the lower faces in each direction, and of the cells. The solver
-  /// reads the four fields again in solve(): they must live and stay as they are until then.
-  void set(const CellField& ax, const CellField& ay, const CellField& az, const CellField& d, const Team& team) {
+  /// Sets new coefficients: of the lower faces in each direction, and of the cells. solve() reads
+  /// the four fields again: they must not change or be destroyed until then.
+  void set(const CellField& ax, const CellField& ay, const CellField& az, const CellField& d,
+           const Team& team) {
     is_set_ = false;
     for (const CellField* field : {&ax, &ay, &az, &d}) require_grid(*field, "coefficients");
     coefficients_.set({&ax, &ay, &az, &d}, multigrid_.finest(), team);
@@ -89,7 +90,7 @@ class PressureSolver {
     is_set_ = true;
   }
 
-  /// Solves for p, starting from the p given. Ghosts of periodic directions are set too.
+  /// Solves for p, starting from the given p. Also sets ghosts of periodic directions.
   PressureSolution solve(const CellField& b, CellField& p, const PressureTolerance& until,
                          const Team& team) {
     require(is_set_, "PressureSolver: call set() with the coefficients before solve()");
@@ -106,11 +107,11 @@ class PressureSolver {
     const double norm = std::sqrt(sum_planes(team, [&](int k) { return b_squares(k); }));
     if (!std::isfinite(whole) || !std::isfinite(norm)) {
       result.residual = norm;
-      result.reason = "the right side holds a value that is infinite or no number";
+      result.reason = "the right-hand side has a value that is not finite";
       return result;
     }
     result.removed = whole > 0 ? removed_ / whole : 0;
-    // What is left of a right side that is all mean is rounding, and is not looked for.
+    // If the right-hand side is uniform, the rest is rounding and is not resolved.
     const double rounding = 1e-14 * whole;
     if (norm <= rounding) {
       clear_cells(p, false);
@@ -125,7 +126,7 @@ class PressureSolver {
     return result;
   }
 
-  /// z = M r: the preconditioner alone, for tests. r of blocked cells counts as 0.
+  /// z = M r: only the preconditioner, for tests. r of blocked cells counts as 0.
   void precondition(const CellField& r, CellField& z, const Team& team) {
     fluid_detail::Level& level = multigrid_.finest();
     for (int k = 0; k < grid_.nz(); ++k)
@@ -147,14 +148,14 @@ class PressureSolver {
   }
   void require_grid(const CellField& field, const char* what) const {
     require(field.grid() == grid_, "PressureSolver: the ", what,
-            " stand on another grid than the solver's; make both with one Grid");
+            " are on another grid than the solver; create both with one Grid");
   }
   std::size_t cell_of_row(int j, int k) const {
     return static_cast<std::size_t>(grid_.nx()) *
            (static_cast<std::size_t>(j) +
             static_cast<std::size_t>(grid_.ny()) * static_cast<std::size_t>(k));
   }
-  /// Calls of_plane(k) for every plane; the sum of what it returns, always added in one order.
+  /// Calls of_plane(k) for every plane; returns the sum, always added in the same order.
   template <class OfPlane>
   double sum_planes(const Team& team, const OfPlane& of_plane) {
     team.for_parts(plane_sums_.size(),
@@ -167,7 +168,7 @@ class PressureSolver {
     return sum;
   }
 
-  /// b less its mean over every floating set, 0 in blocked cells; returns |b|.
+  /// b minus its mean over every floating set, 0 in blocked cells; returns |b|.
   double take_right_side(const CellField& b, const Team& team) {
     const double squares = sum_planes(team, [&](int k) {
       double sum = 0;
@@ -199,7 +200,7 @@ class PressureSolver {
     return sum;
   }
 
-  /// Takes off the mean over every floating set, and makes blocked cells 0.
+  /// Subtracts the mean over every floating set, and sets blocked cells to 0.
   void remove_means(CellField& v, const Team& team) {
     const std::size_t sets = components_->sizes.size();
     if (sets == 0 && !components_->any_blocked) return;
@@ -227,7 +228,7 @@ class PressureSolver {
     });
   }
 
-  /// Makes p zero, in blocked cells only or everywhere.
+  /// Sets p to zero, in blocked cells only or everywhere.
   void clear_cells(CellField& p, bool only_blocked) const {
     if (only_blocked && !components_->any_blocked) return;
     for (int k = 0; k < grid_.nz(); ++k)
@@ -239,21 +240,21 @@ class PressureSolver {
       }
   }
 
-  /// Conjugate gradients from p on to a residual of `target`. `scale` is of the residual in float:
-  /// r = scale (b - A p).
+  /// Conjugate gradients from p to a residual of `target`. `scale` of the residual in float: r =
+  /// scale (b - A p).
   void iterate(CellField& p, double norm, double target, const PressureTolerance& until,
                const Team& team, PressureSolution& result) {
-    constexpr double drop = 1e-4;  // of the residual between two that are computed in double
+    constexpr double drop = 1e-4;  // of the residual between two computed in double
     const double cells = std::sqrt(static_cast<double>(grid_.size()));
     double scale = cells / norm, residual = 0;
     const auto stopped = [&](const char* why) { result.reason = why; };
     double next_check = 0, rz = 0, alpha = 0;
     bool along = false;   // direction_ holds a direction
-    bool behind = false;  // p lacks what direction_ and correction_ hold
+    bool behind = false;  // p does not include direction_ and correction_ yet
     const auto renew = [&] {
       residual = true_residual(p, scale, team);
       if (std::isnormal(residual) && std::abs(std::log10(residual * scale / cells)) > 6) {
-        scale = cells / residual;  // floats would leave their range: begin anew
+        scale = cells / residual;  // floats would leave their range: restart
         along = false;
         residual = true_residual(p, scale, team);
       }
@@ -268,7 +269,7 @@ class PressureSolver {
       const double before = rz;
       rz = multigrid_.cycle(team);
       if (!(rz > 0 && std::isfinite(rz))) {
-        stopped("the preconditioned residual is no number or not positive");
+        stopped("the preconditioned residual is not a number or not positive");
         break;
       }
       if (!along) direction_.clear();
@@ -276,7 +277,9 @@ class PressureSolver {
       behind = true;
       if (!(pq > 0 && std::isfinite(pq))) {
         alpha = 0;
-        stopped("the coefficients make a direction without resistance, or a number that is none");
+        stopped(
+            "the coefficients give a direction without resistance, or a value that is not a "
+            "number");
         break;
       }
       along = true;
@@ -303,11 +306,11 @@ class PressureSolver {
       forget();
     if (!std::isfinite(residual))
       stopped(
-          "the solution to start from holds a value that is infinite or no number, or the "
+          "the initial solution has a value that is not finite, or the "
           "numbers left the range of double");
   }
 
-  /// Numbers that are none must not outlive the solve that made them.
+  /// NaN must not outlive the solve that made them.
   void forget() {
     multigrid_.forget();
     direction_.clear();
@@ -391,7 +394,7 @@ class PressureSolver {
   fluid_detail::LevelArray<float> direction_, product_;  // of conjugate gradients
   fluid_detail::LevelArray<double> correction_;  // of p since the residual was computed in double
   std::vector<double> plane_sums_, set_sums_;
-  double removed_ = 0;  // |.| of what was taken off the right side
+  double removed_ = 0;  // |.| of the removed part of the right-hand side
   bool is_set_ = false;
 };
 

@@ -16,7 +16,7 @@ struct FluidProperties {
 /// Volume-averaged momentum equations, with the pressure p and the force f of the particles:
 ///   A           d(eps rho u)/dt + div(eps rho u u) = -eps grad p + eps div tau + f
 ///   B                                              =     -grad p +     div tau + f
-///   Simplified  of the fluid alone (eps = 1); for dilute flow, solids below 1 %
+///   Simplified  fluid alone (eps = 1); for dilute flow, solids below 1 %
 enum class MomentumModel { A, B, Simplified };
 
 }  // namespace silt

@@ -10,8 +10,8 @@
 
 namespace silt::inline SILT_TARGET::fluid_detail {
 
-/// The share of a unit square where a function is positive that has these values at its corners,
-/// in turn, and goes linearly along its edges.
+/// Share of a unit square where a function is positive; the function has these values at its
+/// corners, in order, and is linear along its edges.
 inline double positive_share(const std::array<double, 4>& value) {
   constexpr double x[4] = {0, 1, 1, 0}, y[4] = {0, 0, 1, 1};
   std::array<double, 8> px{}, py{};
@@ -28,9 +28,9 @@ inline double positive_share(const std::array<double, 4>& value) {
   return 0.5 * twice;
 }
 
-/// The integral of flux(u, v) over the part of the rectangle of lengths a, b about (u0, v0) where
-/// distance(u, v), a signed distance, is positive. The rectangle is cut into pieces x pieces of
-/// size s; a line of radius R is cut short by s^2/(4 R) at the most, and straight ones are exact.
+/// Integral of flux(u, v) over the part of the rectangle with lengths a, b about (u0, v0) where
+/// distance(u, v), a signed distance, is positive. The rectangle is divided into pieces x pieces of
+/// size s. A boundary with the radius R is displaced by at most s^2/(4 R); straight ones are exact.
 template <std::size_t pieces, class Distance, class Flux>
 auto integral_inside(double u0, double v0, double a, double b, const Distance& distance,
                      const Flux& flux) {

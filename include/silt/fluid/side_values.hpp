@@ -13,18 +13,18 @@
 
 namespace silt::inline SILT_TARGET::fluid_detail {
 
-/// One side of a flow's box, with the velocities that it gives. For FlowSides.
+/// One side of a flow's box with its velocities. For FlowSides.
 struct SideValues {
   FlowSide kind = NoSlip{};
   std::array<std::vector<double>, 3> given;  // velocities where each component crosses the side
-  std::vector<char> beyond;                  // 1 beyond the outline; none: there is none
-  // Of inflows that change:
+  std::vector<char> beyond;                  // 1 outside the outline; empty: no outline
+  // For time-dependent inflows:
   std::array<std::vector<double>, 3> shape;  // what 1 m3/s gives
-  std::vector<double> slope;                 // [m/s2] across the side; none: not known yet
-  double factor = 1;                         // [-] of velocities, so that areas are true
+  std::vector<double> slope;                 // [m/s2] normal to the side; empty: not known yet
+  double factor = 1;                         // [-] of velocities, for true areas
 
-  /// Whether the velocities across the side have jumped from `before` on: by more than a third of
-  /// what they are now, and not at the rate of the step before. `dt` [s] between; 0: not known.
+  /// Whether the normal velocities have jumped from `before`: by more than a third of their new
+  /// value, and at another rate than in the previous step. `dt` [s] between; 0: unknown.
   bool jumped(int direction, const std::vector<double>& before, double dt) {
     const auto& now = given[static_cast<std::size_t>(direction)];
     std::vector<double> rate(dt > 0 ? now.size() : 0);
@@ -52,25 +52,26 @@ inline void check_one_way(const Inflow& in, const char* name) {
   const bool constant = in.profile || v.x != 0 || v.y != 0 || v.z != 0;
   require(!in.velocity_in_time || !(constant || in.rate || in.rate_in_time),
           "FlowSolver: the Inflow at a side in ", name,
-          " has velocity_in_time beside another velocity or rate; give one of them");
+          " has velocity_in_time and another velocity or rate; give only one");
   require(!in.rate_in_time || !in.rate, "FlowSolver: the Inflow at a side in ", name,
-          " has both rate and rate_in_time; give one of them");
+          " has both rate and rate_in_time; give only one");
 }
 
-/// The factor [-] of an inflow's velocities, which let in `passes` [m3/s], so that it is `wanted`.
-/// `both_ways`: what they let in and out; `faces`: how many are open, at end `end` of direction e.
+/// Factor [-] of an inflow's velocities with the volume flow `passes` [m3/s] that makes it
+/// `wanted`. `both_ways`: flow in and out; `faces`: number of open faces, at end `end` of direction
+/// e.
 inline double inflow_factor(double wanted, double passes, double both_ways, int faces, int e,
                             int end) {
   const char name[] = {"xyz"[e], 0};
   const char* const which = end == 0 ? "lower" : "upper";
   require(faces > 0, "FlowSolver: the Inflow at the ", which, " side in ", name,
           " has no face whose centre is within its outline and in the fluid; use smaller cells, "
-          "or see that they meet");
+          "or check that they overlap");
   if (wanted == 0 && passes == 0) return 1;
   require(std::abs(passes) > 1e-6 * both_ways && wanted / passes >= 0, "FlowSolver: ", wanted,
           " m3/s are to flow in at the ", which, " side in ", name, ", but its velocities let in ",
           passes,
-          " m3/s, which no factor above 0 turns into that; let them point that way, or leave "
+          " m3/s, which no positive factor can turn into that; reverse them, or leave "
           "them out and give the rate");
   return wanted / passes;
 }

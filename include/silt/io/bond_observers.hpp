@@ -28,7 +28,7 @@ class BondObserver {
   void begin(const Sim&, double) const {
     static_assert(Sim::has_bonds,
                   "on_bond_break needs a simulation with bonds: give it the policy "
-                  "silt::Bonds{silt::ParallelBond{...}} beside particles and contacts");
+                  "silt::Bonds{silt::ParallelBond{...}} in addition to particles and contacts");
   }
   template <class Sim>
   bool is_due(const Sim&) const {
@@ -80,8 +80,8 @@ class BondSeries {
 
 }  // namespace detail
 
-/// Calls `action(const BondBreak&)` for each bond that breaks, in the step in which it does; within
-/// a step in the order in which they were made.
+/// Calls `action(const BondBreak&)` for each bond that breaks, in the step in which it breaks;
+/// within a step in the order in which the bonds were made.
 ///
 ///   sim.run(1.0, silt::on_bond_break([&](const silt::BondBreak& b) { lost += b.energy; }));
 template <class Action>
@@ -89,11 +89,11 @@ detail::BondObserver<Action> on_bond_break(Action action) {
   return detail::BondObserver<Action>(std::move(action));
 }
 
-/// Writes the bonds as lines from centre to centre, or to the place on the wall: `normal_force` [N]
-/// (positive: it pulls its ends together), `shear_force` (its size), `twisting` and `bending`
-/// [N m] (their sizes), `load` [-] (it breaks above 1), `energy` [J], ids `a` and `b` (of a wall
-/// the largest number there is), `wall` (-1: none), `number`. A bond through the side of a periodic
-/// box is drawn whole, beside a. `file` should end in .vtp.
+/// Writes the bonds as lines from centre to centre, or from centre to the point on the wall.
+/// Fields: `normal_force` [N] (positive: tension), `shear_force` (magnitude), `twisting` and
+/// `bending` [N m] (magnitudes), `load` [-] (a bond breaks above 1), `energy` [J], ids `a` and `b`
+/// (the largest integer for a wall), `wall` (-1: none), `number`. A bond across the side of a
+/// periodic box is drawn whole, beside a. `file` should end in .vtp.
 template <class Sim>
 void write_bonds(const std::string& file, const Sim& sim) {
   using Point = std::array<float, 3>;
@@ -131,7 +131,8 @@ void write_bonds(const std::string& file, const Sim& sim) {
   });
 }
 
-/// Writes `folder/bonds.pvd`, a time series of lines as in write_bonds(), for ParaView or `silt draw`.
+/// Writes `folder/bonds.pvd`, a time series of lines as in write_bonds(), for ParaView or `silt
+/// draw`.
 ///   sim.run(1.0, silt::bond_series("out", silt::every(0.01)));
 inline detail::BondSeries bond_series(std::string folder, Schedule schedule) {
   return {std::move(folder), schedule};

@@ -31,7 +31,7 @@ class BreakObserver {
   void begin(const Sim&, double) const {
     static_assert(Sim::has_breakage,
                   "on_break needs a simulation whose particles break: give it the policy "
-                  "silt::Breakage{...} beside particles and contacts");
+                  "silt::Breakage{...} in addition to particles and contacts");
   }
   template <class Sim>
   bool is_due(const Sim&) const {
@@ -50,7 +50,7 @@ class BreakObserver {
 }  // namespace detail
 
 /// Calls `action(const BreakEvent&)` for each particle that breaks, in the step in which its
-/// fragments take its place; within a step in the order of ids.
+/// fragments replace it; within a step in the order of ids.
 ///
 ///   sim.run(1.0, silt::on_break([&](const silt::BreakEvent& b) { dust += b.dust; }));
 template <class Action>
@@ -60,7 +60,7 @@ detail::BreakObserver<Action> on_break(Action action) {
 
 namespace detail {
 
-/// The columns of breakage_table().
+/// Columns of breakage_table().
 template <class Sim>
 std::vector<std::string> columns_of_breakage(const Sim& sim) {
   std::vector<std::string> all{"time [s]",
@@ -111,9 +111,9 @@ std::vector<double> row_of_breakage(const Sim& sim) {
 
 }  // namespace detail
 
-/// Appends a row to a CSV table at the times of the schedule: time, particles, how many broke so
-/// far at walls, in pairs and as asked, and the mass that is present, has left, and is dust. Where
-/// there are several materials, walls' included, then of each how many broke, and these masses.
+/// Appends a row to a CSV table at the times of the schedule: time, particles, breakages so far (at
+/// walls, in pairs and on request), and the mass that is present, has left, and is dust. With
+/// several materials (those of walls included) the breakages and masses of each follow.
 inline auto breakage_table(const std::string& path, Schedule schedule) {
   return at<ActionKind::Reads>(
       schedule, [path, open = std::shared_ptr<CsvTable>()](const auto& sim) mutable {
@@ -124,9 +124,9 @@ inline auto breakage_table(const std::string& path, Schedule schedule) {
       });
 }
 
-/// The grains that are there by their diameters (of polyhedra those of spheres of their volumes),
-/// as a table of sizes, to be merged with dust() and left(): of one material, by number or name, or
-/// of all. On many ranks those of this rank.
+/// Particles present, by diameter (polyhedra: of the sphere of equal volume), as a size table that
+/// can be merged with dust() and left(). For one material, by number or name, or for all. On many
+/// ranks: the particles of this rank.
 template <class Sim>
 SizeTable sizes_present(const Sim& sim, std::optional<WhichMaterial> of = {}) {
   SizeTable all;
@@ -139,7 +139,7 @@ SizeTable sizes_present(const Sim& sim, std::optional<WhichMaterial> of = {}) {
 
 namespace detail {
 
-/// The first class of a table that has any.
+/// First class of a table that is not empty.
 inline std::size_t first_class(const SizeTable& sizes) {
   std::size_t first = 0;
   while (first < sizes.classes() && sizes.number(first) == 0) ++first;
@@ -148,8 +148,8 @@ inline std::size_t first_class(const SizeTable& sizes) {
 
 }  // namespace detail
 
-/// Writes a table of sizes as CSV: of each class where it begins and ends (the last one with the
-/// largest size), mass, number, and the share of the mass that is finer than its end.
+/// Writes a size table as CSV. For each class: lower and upper limit (the last class ends at the
+/// largest size), mass, number, and the cumulative share of mass finer than the upper limit.
 inline void write_sizes(const std::string& path, const SizeTable& sizes) {
   CsvTable out(path, {"from [m]", "to [m]", "mass [kg]", "number [-]", "finer [-]"});
   for (std::size_t k = detail::first_class(sizes); k < sizes.classes(); ++k)
@@ -157,8 +157,8 @@ inline void write_sizes(const std::string& path, const SizeTable& sizes) {
                  sizes.finer(sizes.end_of(k))});
 }
 
-/// Writes when what is in a table came, as CSV: a row for each interval of time and class in which
-/// mass came.
+/// Writes the arrival times of the mass in a size table as CSV: one row for each time interval and
+/// class that received mass.
 inline void write_size_times(const std::string& path, const SizeTable& sizes) {
   CsvTable out(path, {"time from [s]", "time to [s]", "from [m]", "to [m]", "mass [kg]"});
   for (std::size_t bin = 0; bin < sizes.bins(); ++bin)

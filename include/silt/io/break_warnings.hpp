@@ -13,8 +13,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Which of the grains that broke did so under loads far above their strengths. An observer that
-/// has tell(events) gathers it. Those that were asked to break do not count.
+/// Collects breakages under loads far above the strength. Filled by an observer with tell(events).
+/// Breakages on request do not count.
 class BrokenLoads {
  public:
   void add(const std::vector<BreakEvent>& broken) {
@@ -25,7 +25,7 @@ class BrokenLoads {
       if (far_above_++ == 0) first_ = one;
     }
   }
-  /// Whether half of them, of enough, were far above.
+  /// Whether, of a sufficient number, half were far above.
   bool is_odd() const { return counted_ >= WarningLimits::few && 2 * far_above_ > counted_; }
   const BreakEvent& first() const { return first_; }  // of those far above
 
@@ -36,7 +36,7 @@ class BrokenLoads {
 
 namespace detail {
 
-/// What a strength may be given in by mistake.
+/// Units that may have been confused in a strength.
 inline const char* units_of_strengths(bool force) {
   return force ? "; strengths are in N (1 mN is 0.001 N), diameters in m, and youngs_modulus in Pa "
                  "(1 GPa is 1e9 Pa), that of the grains and not a softened one"
@@ -54,9 +54,9 @@ inline const char* units_of_strengths(bool force) {
 
 }  // namespace detail
 
-/// What is odd after a run of grains that break: impacts, all of them far below any strength, as
-/// with numbers in other units; it knows the loads since the program began. And grains that broke
-/// under loads far above their strengths, of those that `broken` has gathered.
+/// Warnings after a run with breakage. First: there were impacts, and all of them were far below
+/// any strength, as with numbers in wrong units; the loads are those since the program started.
+/// Second: particles broke under loads far above their strengths, as collected by `broken`.
 /// Tests: tests/breakage/warnings.cpp.
 template <class Sim>
 [[gnu::cold]] std::vector<std::string> break_warnings(const Sim& sim,

@@ -23,25 +23,26 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Saves and restores the whole state of a simulation: particles, contact history, lists, walls,
-/// inlets and outlets, the fluid, clock. A run continued from it gives the same bits as one that
-/// never stopped.
+/// Saves and restores the complete state of a simulation: particles, contact history, lists, walls,
+/// inlets and outlets, fluid, clock. A run continued from a checkpoint gives the same bits as an
+/// uninterrupted run.
 ///
 ///   silt::save_checkpoint(sim, "run.silt");
 ///   silt::load_checkpoint(sim, "run.silt");    // sim: the same scene, built by the same program
 ///
-/// On many ranks both are collective, and the file is an index with a folder of blocks beside it
-/// (io/checkpoint_ranks.hpp). As many ranks go on with the same bits; another number of them, or a
-/// program without Ranks, goes on with the same particles and all that their contacts remember. So
-/// do many ranks from the file of one process.
+/// On many ranks both functions are collective, and the file is an index with a folder of blocks
+/// beside it (io/checkpoint_ranks.hpp). The same number of ranks continues with the same bits.
+/// Another number, or a program without Ranks, continues with the same particles and contact
+/// history. Many ranks can likewise start from the file of one process.
 ///
 /// Walls, materials, limits and gravity come from the program; the state replaces all particles.
-/// The file describes the scene that wrote it (io/describe_scene.hpp): where the scene differs, the
-/// difference is named, and refused unless it is one of AcceptedChanges.
-/// All or nothing: a file is read, and every number of it checked, before the simulation changes.
-/// Errors: FileError for a file that is damaged or cannot be read or written, or was written by
-/// another program (other policies); InputError for one of another scene. The simulation is then as
-/// it was. Tests: tests/io/checkpoint.cpp, checkpoint_scene.cpp, fuzz_checkpoint.cpp.
+/// The file contains a description of the scene that wrote it (io/describe_scene.hpp). A difference
+/// between the two scenes is named, and refused unless it is one of AcceptedChanges. The file is
+/// read and every number checked before the simulation changes.
+/// Errors: FileError for a file that is damaged, cannot be read or written, or was written by
+///         another program (other policies); InputError for a file of another scene. The simulation
+///         is then unchanged.
+/// Tests:  tests/io/checkpoint.cpp, checkpoint_scene.cpp, fuzz_checkpoint.cpp.
 template <class Sim>
 class Checkpoint {
   using Engine = typename Sim::Engine;
@@ -55,7 +56,7 @@ class Checkpoint {
 
  public:
   static void save(const Sim& sim, const std::string& path) {
-    if constexpr (Sim::has_ranks)  // what users have changed of it is known to all ranks then
+    if constexpr (Sim::has_ranks)  // then all ranks know what users have changed
       const_cast<Sim&>(sim).share_edits(), save_blocks(sim, path);
     else
       write(sim, path);
@@ -67,14 +68,14 @@ class Checkpoint {
       try {
         staged = read(sim, path, accepted);
       } catch (const std::bad_alloc&) {
-        throw FileError(text("checkpoint '", path, "' does not fit into memory"));
+        throw FileError(text("checkpoint '", path, "' exceeds the memory"));
       }
     });
     staged->put_into(sim, accepted);
   }
 
-  /// Which programs can continue from the file: the policies that shape the state, and what
-  /// contacts remember.
+  /// Programs that can continue from the file: the policies that determine the state and the
+  /// contact history.
   static std::string signature() {
     return text("silt state 17; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
@@ -90,7 +91,7 @@ class Checkpoint {
   }
 
  private:
-  /// All of a process, or of a rank.
+  /// State of a process, or of a rank.
   static detail::CheckpointStamp write(const Sim& sim, const std::string& path) {
     const Engine& e = sim.engine_;
     CheckpointWriter out(signature());
@@ -155,7 +156,7 @@ class Checkpoint {
     });
     if constexpr (Sim::Fluid::active) {
       detail::visit_columns(a, e.fluid_loads(), e.owners());
-      // It visits what it has as something that may change; here nothing does.
+      // visit() takes its arguments as mutable; saving does not change them.
       const_cast<typename Sim::Fluid&>(sim.fluid_)
           .for_each_state([&](const std::string& name, const auto& values) {
             a.copied(name, std::vector<double>(values.begin(), values.end()));
@@ -234,7 +235,7 @@ class Checkpoint {
       for (std::size_t b = 0; b < index.size(); before += index.owned[b], ++b) {
         const std::size_t first = std::max(from, before),
                           end = std::min(to, before + index.owned[b]);
-        if (first >= end && b > 0) {  // the first one tells of the scene
+        if (first >= end && b > 0) {  // the first one describes the scene
           if (rank == 0) merged.take_books(index.open(path, b), index.block(path, b));
           continue;
         }
@@ -243,11 +244,11 @@ class Checkpoint {
       }
       return merged.finish(path, all, index.safeguards_of_all());
     } else {
-      throw InputError(
-          text("checkpoint '", path, "' is of ", is_index ? index.size() : 1,
-               " ranks, and this run has ", ranks,
-               ": a scene with breakage or a fluid goes on on as many ranks as before; start as "
-               "many"));
+      throw InputError(text(
+          "checkpoint '", path, "' is of ", is_index ? index.size() : 1,
+          " ranks, and this run has ", ranks,
+          ": a scene with breakage or a fluid continues only on the same number of ranks; start as "
+          "many"));
     }
   }
 
@@ -256,7 +257,7 @@ class Checkpoint {
     const std::string_view all = __PRETTY_FUNCTION__;
     const std::size_t from = all.find("T = ") + 4;
     std::string name(all.substr(from, all.find_first_of(";]", from) - from));
-    // Written with other compile flags it is still the same scene.
+    // With other compile flags it is still the same scene.
     static constexpr std::string_view target = SILT_TEXT(SILT_TARGET) "::";
     for (auto at = name.find(target); at != name.npos; at = name.find(target, at))
       name.erase(at, target.size());
@@ -277,8 +278,8 @@ class Checkpoint {
     return c;
   }
 
-  /// Whether all of the state is in rows and contacts, or is known to each rank, so that it can be
-  /// put together from blocks.
+  /// Whether the whole state is in rows and contacts, or known to every rank, and can thus be
+  /// assembled from blocks.
   static constexpr bool has_rows_alone =
       !Sim::has_breakage && !Sim::Fluid::active && !detail::deforms<typename Sim::Domain>;
 

@@ -13,12 +13,12 @@
 
 #include <silt/files/checkpoint_file.hpp>
 
-/// The two sides of a checkpoint: one function visits what a component's state is made of, and
-/// CheckpointSaver or CheckpointLoader does the rest. See io/checkpoint_parts.hpp.
+/// Archives of a checkpoint. One function visits the state of a component, and CheckpointSaver or
+/// CheckpointLoader saves or loads it. See io/checkpoint_parts.hpp.
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Which values a number of a checkpoint may have.
+/// Values that a number of a checkpoint may have.
 struct NumberRule {
   bool (*holds)(double);
   const char* words;
@@ -33,7 +33,7 @@ inline constexpr NumberRule positive_number{[](double x) { return std::isfinite(
                                             "must be finite and greater than 0"};
 inline constexpr NumberRule flag_number{[](double x) { return x == 0 || x == 1; },
                                         "must be 0 or 1"};
-/// Whole, and so small that a double holds it and adding to it does not overflow.
+/// Integers that a double represents exactly, and that do not overflow when they are incremented.
 inline constexpr NumberRule count_number{
     [](double x) { return x >= 0 && x <= 0x1p53 && x == std::floor(x); },
     "must be a whole number from 0 to 2^53"};
@@ -44,7 +44,7 @@ inline constexpr NumberRule place_number{
     [](double x) { return x >= 0 && x < 4294967296.0 && x == std::floor(x); },
     "must be a whole number below 2^32"};
 
-/// Writes what it visits. Columns are not copied: they must live until the writer's commit.
+/// Writes what it visits. Columns are not copied: they must exist until the writer's commit.
 class CheckpointSaver {
  public:
   static constexpr bool loads = false;
@@ -62,7 +62,7 @@ class CheckpointSaver {
               const NumberRule& = finite_number) {
     out_.add(name, values);
   }
-  /// A column that need not live on.
+  /// A column that is copied and need not outlive the call.
   template <class T>
   void copied(const std::string& name, std::vector<T> values) {
     if constexpr (std::is_same_v<T, double>)
@@ -72,7 +72,7 @@ class CheckpointSaver {
     else
       out_.add(name, words_.emplace_back(std::move(values)));
   }
-  /// The first `count` rows, whose numbers are doubles, or bytes as wide.
+  /// The first `count` rows, which consist of doubles or of integers of the same size.
   template <class Rows>
   void rows(const std::string& name, const Rows& rows, std::size_t count) {
     using Row = typename Rows::value_type;
@@ -88,7 +88,7 @@ class CheckpointSaver {
   std::deque<std::vector<std::uint32_t>> words_;
 };
 
-/// Fills what it visits from a file, and refuses numbers that their rule does not allow.
+/// Reads what it visits from a file, and refuses numbers that violate their rule.
 class CheckpointLoader {
  public:
   static constexpr bool loads = true;
@@ -125,7 +125,7 @@ class CheckpointLoader {
       value = static_cast<T>(whole);
     }
   }
-  /// Exactly `count` values, or as many as there are.
+  /// Exactly `count` values, or as many as the file has.
   template <class T>
   void column(const std::string& name, std::vector<T>& values, std::size_t count,
               [[maybe_unused]] const NumberRule& rule = finite_number) const {
@@ -145,11 +145,11 @@ class CheckpointLoader {
     constexpr std::size_t numbers = sizeof(Row) / sizeof(double);
     if (count == any_count) {
       const std::uint64_t found = in_.count<double>(name);
-      need(found % numbers == 0, "its field '", name, "' has ", found, " values, no multiple of ",
-           numbers);
+      need(found % numbers == 0, "its field '", name, "' has ", found,
+           " values, not a multiple of ", numbers);
       count = found / numbers;
     }
-    // Before memory is taken: as many as the file has.
+    // Checked before memory is allocated.
     need(in_.count<double>(name) == count * numbers, "its field '", name, "' has ",
          in_.count<double>(name), " values, but ", count * numbers, " are needed");
     rows.resize(count);

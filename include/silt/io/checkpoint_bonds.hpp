@@ -15,7 +15,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Bonds in checkpoints: the ends of each, its rest, and the numbers that its model made of it.
+/// Bonds in checkpoints: both ends of each, its reference state, and the numbers of its model.
 /// Tests: tests/bond/checkpoint.cpp.
 template <class Stage>
 struct BondsState {};
@@ -25,11 +25,11 @@ struct BondsState<Stage> {
   using Bond = typename Stage::Bond;
   using AtWall = typename Stage::AtWalls::Bond;
   using Numbers = decltype(Bond::numbers);
-  std::vector<std::uint64_t> ids, number;  // two a bond; one a bond
+  std::vector<std::uint64_t> ids, number;  // two per bond; one per bond
   std::vector<BondRest<double>> rest;
   std::vector<Numbers> numbers;
-  std::vector<std::uint64_t> wall_ids, wall_number;  // particle and wall; one a bond
-  std::vector<std::uint64_t> wall_excludes, freed;   // 0 or 1 a bond; particle and wall
+  std::vector<std::uint64_t> wall_ids, wall_number;  // particle and wall; one per bond
+  std::vector<std::uint64_t> wall_excludes, freed;   // 0 or 1 per bond; particle and wall
   std::vector<Vec3d> wall_place;
   std::vector<BondRest<double>> wall_rest;
   std::vector<Numbers> wall_numbers;
@@ -68,7 +68,7 @@ struct BondsState<Stage> {
     a.column("bonds.wall_excludes", wall_excludes, at_walls);
     a.column("bonds.freed_at_walls", freed, count(freed));
   }
-  /// Refuses what cannot be; `p`: the particles of the file, `surfaces` of each of its walls.
+  /// Refuses impossible values; `p`: particles of the file, `surfaces`: number for each wall.
   template <class State>
   void check(const CheckpointLoader& a, const State& p,
              const std::vector<std::uint64_t>& surfaces) const {
@@ -76,7 +76,7 @@ struct BondsState<Stage> {
     for (std::size_t k = 0; k < p.size(); ++k) {
       if (p.is_parked(k)) continue;
       present.push_back(p.id[k]);
-      a.need(is_unit(p.orientation[k]), "orientation of row ", k, " is no unit quaternion");
+      a.need(is_unit(p.orientation[k]), "orientation of row ", k, " is not a unit quaternion");
     }
     std::sort(present.begin(), present.end());
     const auto is_there = [&](ParticleId id) {
@@ -86,7 +86,7 @@ struct BondsState<Stage> {
     for (std::size_t k = 0; k < number.size(); ++k) {
       const std::uint64_t i = ids[2 * k], j = ids[2 * k + 1];
       a.need(i < j && is_there(i) && is_there(j), "bonds.ids[", k, "] = ", i, " and ", j,
-             " are no two particles");
+             " are not two particles");
       pairs.push_back({i, j});
       check_one(a, "bonds", k, rest[k], number[k]);
     }
@@ -104,12 +104,12 @@ struct BondsState<Stage> {
       check_one(a, "bonds.wall", k, wall_rest[k], wall_number[k]);
     }
     check_finite_rows(a, "bonds.wall_numbers", wall_numbers);
-    a.need(freed.size() % 2 == 0, "bonds.freed_at_walls are no pairs");
+    a.need(freed.size() % 2 == 0, "bonds.freed_at_walls are not pairs");
     for (std::size_t k = 0; k + 1 < freed.size(); k += 2)
       a.need(is_there(freed[k]) && freed[k + 1] < surfaces.size(), "bonds.freed_at_walls[", k,
              "]: particle ", freed[k], " and wall ", freed[k + 1], " are not there");
   }
-  /// Into a stage without bonds, and the particles' table of pairs.
+  /// Puts the bonds into a stage without bonds, and into the particles' table of pairs.
   template <class State>
   void put(Stage& stage, const State& p) const {
     for (std::size_t k = 0; k < number.size(); ++k) {
@@ -138,7 +138,7 @@ struct BondsState<Stage> {
   }
 };
 
-/// The model's own coefficients, where it names them; they act on all bonds, made before or after.
+/// The model's own coefficients, if it names them. They apply to all bonds, old and new.
 template <class Stage>
 void describe_bonds(const Describer& is, const Stage& stage) {
   using Model = std::remove_cvref_t<decltype(stage.model)>;

@@ -15,8 +15,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Breakage in checkpoints: what is due to break, and the tables of mass and impacts. Strengths are
-/// fields of a module.
+/// Breakage in checkpoints: particles due to break, and the tables of mass and impacts. Strengths
+/// are stored as fields of a module.
 /// Tests: tests/breakage/runs.cpp, step_runs.cpp, compositions.cpp.
 template <class Stage>
 struct BreaksState {
@@ -66,7 +66,7 @@ struct BreaksState {
     if constexpr (Archive::loads) counts = a.has("breakage.broken_of");
     if (counts) a.column("breakage.broken_of", broken_of, count(broken_of));
   }
-  /// Refuses what cannot be.
+  /// Refuses impossible values.
   void check(const CheckpointLoader& a) const {
     const auto all_of_mass = [](const std::vector<double>& numbers) {
       return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
@@ -77,7 +77,7 @@ struct BreaksState {
                  std::isfinite(due[2 * k]) && std::isfinite(due[2 * k + 1]),
              "breakage.due_loads of particle ", due_ids[k], " cannot be");
     }
-    a.need(all_of_mass(fed) && fed[0] >= 0, "breakage.fed cannot be");
+    a.need(all_of_mass(fed) && fed[0] >= 0, "breakage.fed is impossible");
     const auto is_table = [](const std::vector<double>& numbers) {
       try {
         SizeTable().restore(numbers);
@@ -86,17 +86,17 @@ struct BreaksState {
         return false;
       }
     };
-    a.need(is_table(dust), "breakage.dust is no table of sizes");
-    a.need(is_table(left), "breakage.left is no table of sizes");
+    a.need(is_table(dust), "breakage.dust is not a size table");
+    a.need(is_table(left), "breakage.left is not a size table");
     for (const auto* of : {&dust_of, &left_of}) try {
         SizeTables().restore_of_materials(*of);
       } catch (const InputError&) {
-        a.refuse("breakage.dust_of or left_of are no tables of sizes");
+        a.refuse("breakage.dust_of or left_of is not a size table");
       }
     a.need(all_of_mass(impacts) && std::all_of(impacts.begin(), impacts.end(),
                                                [](double x) { return x >= 0 && x < 0x1p63; }),
-           "breakage.impacts cannot be");
-    a.need(LivingSizes::can_be(sizes), "breakage.sizes cannot be");
+           "breakage.impacts are impossible");
+    a.need(LivingSizes::can_be(sizes), "breakage.sizes are impossible");
     for (std::size_t cause = 0; cause < 3 && !broken_of.empty(); ++cause) {
       std::uint64_t sum = 0;
       for (std::size_t k = cause; k < broken_of.size(); k += 3) sum += broken_of[k];
@@ -118,7 +118,7 @@ struct BreaksState {
     for (std::size_t k = 0; k < broken_of.size(); ++k) stage.broken_of[k / 3][k % 3] = broken_of[k];
   }
 };
-/// What a run goes on with: the functions and the rules.
+/// Functions and rules with which a run continues.
 template <class Policy>
 void describe_breakage(const Describer& is, const Policy& policy) {
   is("breakage: seed", text(policy.rules.seed));

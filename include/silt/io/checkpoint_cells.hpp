@@ -13,9 +13,9 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The forms of cells of polyhedra that broke (engine/population/cell_forms.hpp), in checkpoints,
-/// as their corners and faces, from which all their other numbers follow to the last bit. The forms
-/// that users added come from the program.
+/// Forms of cells of broken polyhedra (engine/population/cell_forms.hpp) in checkpoints, stored as
+/// their corners and faces. All other numbers follow from these bit for bit. Forms added by users
+/// come from the program.
 /// Tests: tests/breakage/polyhedra_restart.cpp.
 template <class Form>
 struct CellsState {
@@ -48,7 +48,7 @@ struct CellsState {
     a.column("breakage.face_sizes", face_sizes, count(face_sizes));
     a.column("breakage.loops", loops, count(loops));
   }
-  /// The forms, as they were; refuses what bounds no convex body.
+  /// Restores the forms; refuses corners and faces that do not bound a convex body.
   std::vector<Form> forms(const CheckpointLoader& a) const {
     a.need(sizes.size() % 2 == 0, "breakage.cells has ", sizes.size(), " numbers, not two each");
     Rest corner{a, "breakage.corners", corners.size()}, loop{a, "breakage.loops", loops.size()},
@@ -66,7 +66,7 @@ struct CellsState {
       try {
         all.emplace_back(decltype(Form::shape)::from_faces(body));
       } catch (const InputError& error) {
-        a.refuse("breakage: cell ", k / 2, " is no convex body: ", error.what());
+        a.refuse("breakage: cell ", k / 2, " is not a convex body: ", error.what());
       }
     }
     corner.end(), face.end(), loop.end();
@@ -78,7 +78,7 @@ struct CellsState {
   static auto at(const Column& column, std::size_t k) {
     return column.begin() + static_cast<std::ptrdiff_t>(k);
   }
-  /// What is left of a column, as cells take their shares of it.
+  /// Remainder of a column while cells take their parts of it.
   struct Rest {
     const CheckpointLoader& a;
     const char* name;

@@ -11,10 +11,10 @@
 
 #include <silt/io/checkpoint_parts.hpp>
 
-/// How the numbers of a checkpoint must fit to each other and to the scene, so that nothing that is
-/// loaded reads or writes beyond an array, and all of it is a state that a run can reach. Each
-/// throws FileError by CheckpointLoader::need. Tests: tests/io/fuzz_checkpoint.cpp (every field,
-/// forged).
+/// Consistency checks of a checkpoint: its numbers must fit each other and the scene. A file that
+/// passes cannot cause accesses beyond an array, and describes a state that a run can reach. Each
+/// check throws FileError by CheckpointLoader::need. Tests: tests/io/fuzz_checkpoint.cpp (every
+/// field, forged).
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -22,11 +22,11 @@ inline bool is_finite(const Pose& p) {
   const Quaternion& q = p.rotation;
   return silt::is_finite(p.translation) && std::isfinite(q.w + q.x + q.y + q.z);
 }
-/// Of unit length: to what many small turns leave of it.
+/// Of unit length, within the drift of many small rotations.
 inline bool is_unit(const Quaternion& q) {
   return std::abs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1) < 1e-6;
 }
-/// Equal but for `part` of the larger, by default what rounding makes of a few products.
+/// Equal up to `part` of the larger value, by default the rounding of a few products.
 inline bool is_near(double a, double b, double part = 1e-9) {
   return std::abs(a - b) <= part * std::max(std::abs(a), std::abs(b));
 }
@@ -51,7 +51,7 @@ void check_upkeep(const CheckpointLoader& a, const ClockState& c, const Upkeep& 
   a.need(u.searched_at <= u.pruned_at && u.pruned_at <= c.step &&
              (u.searched_at >= 0) == (u.pruned_at >= 0),
          "lists.searched_at = ", u.searched_at, " and lists.pruned_at = ", u.pruned_at,
-         " do not fit to step ", c.step);
+         " do not match step ", c.step);
   a.need(u.plan.least_outer <= u.plan.most_outer && u.plan.least_inner <= u.plan.most_inner,
          "lists.least_outer or lists.least_inner is larger than its largest value");
   a.need(listed <= rows && (u.searched_at < 0 || listed == rows), "the lists are of ", listed,
@@ -60,7 +60,7 @@ void check_upkeep(const CheckpointLoader& a, const ClockState& c, const Upkeep& 
   a.check("lists.inner_reach", u.inner, not_negative_number);
 }
 
-/// Ids are unique and below the next one; returns how many have one.
+/// Ids must be unique and below the next one. Returns the number of rows with an id.
 template <class Ids>
 std::size_t check_ids(const CheckpointLoader& a, const char* what, Ids ids, ParticleId next) {
   std::sort(ids.begin(), ids.end());
@@ -72,7 +72,7 @@ std::size_t check_ids(const CheckpointLoader& a, const char* what, Ids ids, Part
   return static_cast<std::size_t>(end - ids.begin());
 }
 
-/// `are_all`: of one process. Sizes of a rank's block are those of all ranks' particles.
+/// `are_all`: the file of one process. A rank's block has the sizes of the particles of all ranks.
 template <class State>
 void check_particles(const CheckpointLoader& a, const State& p, std::size_t materials,
                      bool are_all = true) {
@@ -84,7 +84,7 @@ void check_particles(const CheckpointLoader& a, const State& p, std::size_t mate
     const auto& m = p.motion[k];
     a.need(silt::is_finite(m.velocity()) && std::isfinite(m.inv_m) && m.inv_m >= 0,
            "motion of row ", k, ": velocity ", Vec3d{m.vx, m.vy, m.vz}, " m/s and inverse mass ",
-           m.inv_m, " 1/kg must be finite, and that not negative");
+           m.inv_m, " 1/kg must be finite, and the latter not negative");
     if constexpr (requires { m.inv_r; })
       a.need(std::isfinite(m.wx + m.wy + m.wz) && std::isfinite(m.inv_r), "motion of row ", k,
              ": its spin must be finite");
@@ -107,13 +107,13 @@ void check_particles(const CheckpointLoader& a, const State& p, std::size_t mate
     }
     a.need(silt::is_finite(row.centre()) && std::isfinite(row.r) && row.r > 0, "position of row ",
            k, ": ", row.centre(), " m and radius ", row.r,
-           " m must be finite, and that greater than 0");
+           " m must be finite, and the latter greater than 0");
     if constexpr (requires { m.inv_r; })
       a.need(is_near(m.inv_r * row.r, 1), "motion of row ", k, ": 1/radius = ", m.inv_r,
              " 1/m, but the radius is ", row.r, " m");
     largest = std::max(largest, row.r), sum += 2 * row.r;
   }
-  // As measured at a search: those that have left or shrunk since are still in it.
+  // Measured at the last search: particles that left or shrank since are included.
   const double mean = p.size() > 0 ? sum / static_cast<double>(p.size()) : 0;
   a.need(p.largest_radius >= largest, "largest.radius = ", p.largest_radius,
          " m, but that of the particles is ", largest, " m");
@@ -122,7 +122,7 @@ void check_particles(const CheckpointLoader& a, const State& p, std::size_t mate
          "mean_diameter = ", p.mean_diameter, " m, but that of the particles is ", mean, " m");
 }
 
-/// All numbers of rows are finite.
+/// Checks that all numbers of rows are finite.
 template <class Rows>
 void check_finite_rows(const CheckpointLoader& a, const std::string& name, const Rows& rows) {
   constexpr std::size_t numbers = sizeof(typename Rows::value_type) / sizeof(double);
@@ -134,7 +134,7 @@ void check_finite_rows(const CheckpointLoader& a, const std::string& name, const
   }
 }
 
-/// Returns the rows of each body's parts, as BodyMotion numbers them.
+/// Returns the rows of each body's parts, as numbered by BodyMotion.
 template <class State, class Forms>
 std::vector<std::uint32_t> check_bodies(const CheckpointLoader& a, const std::vector<Body>& bodies,
                                         const State& p, const Forms& forms) {
@@ -147,13 +147,13 @@ std::vector<std::uint32_t> check_bodies(const CheckpointLoader& a, const std::ve
     a.need(silt::is_finite(b.centre) && silt::is_finite(b.velocity) && silt::is_finite(b.momentum),
            "body ", k, ": its place ", b.centre, " m, velocity ", b.velocity,
            " m/s and angular momentum ", b.momentum, " kg m2/s must be finite");
-    a.need(is_unit(b.orientation), "body ", k, ": its orientation is no unit quaternion");
+    a.need(is_unit(b.orientation), "body ", k, ": its orientation is not a unit quaternion");
     a.need(std::isfinite(b.scale) && b.scale > 0 && is_near(b.radius, b.scale * form.radius),
-           "body ", k, ": radius ", b.radius, " m and scale ", b.scale, " do not fit to form ",
+           "body ", k, ": radius ", b.radius, " m and scale ", b.scale, " do not match form ",
            b.form, after_number(form.name), " of ", form.radius, " m");
-    // The widest of many normals: another rounding may find another one.
+    // Maximum over many normals: with other rounding another normal may win.
     a.need(norm(b.lever - b.scale * form.lever) <= 1e-6 * b.radius, "body ", k, ": lever ", b.lever,
-           " m does not fit to its form, of ", b.scale * form.lever, " m");
+           " m does not match its form, of ", b.scale * form.lever, " m");
     const Vec3d& I = b.inertia;
     a.need(silt::is_finite(I) && std::min({I.x, I.y, I.z}) > 0 && std::isfinite(b.inv_m) &&
                b.inv_m >= 0,
@@ -164,7 +164,7 @@ std::vector<std::uint32_t> check_bodies(const CheckpointLoader& a, const std::ve
     a.need(b.inv_m == 0 || (is_near(I.x * b.inv_m, J.x * per_mass, 1e-6) &&
                             is_near(I.y * b.inv_m, J.y * per_mass, 1e-6) &&
                             is_near(I.z * b.inv_m, J.z * per_mass, 1e-6)),
-           "body ", k, ": inertia ", I, " kg m2 does not fit to its form and mass");
+           "body ", k, ": inertia ", I, " kg m2 does not match its form and mass");
     first += form.parts.size();
   }
   a.need(first == p.size(), "bodies have ", first, " parts, but there are ", p.size(), " rows");
@@ -196,7 +196,7 @@ std::vector<std::uint32_t> check_bodies(const CheckpointLoader& a, const std::ve
   return rows;
 }
 
-/// `listed`: how many rows the lists are of.
+/// `listed`: number of rows in the lists.
 template <class Engine, class Pairs, class State>
 void check_pairs(const CheckpointLoader& a, const Pairs& pairs, const State& p,
                  std::size_t listed) {
@@ -206,7 +206,7 @@ void check_pairs(const CheckpointLoader& a, const Pairs& pairs, const State& p,
   a.need(pairs.owned <= pairs.grouped, "pairs.owned = ", pairs.owned, " is more than ",
          pairs.grouped, " rows");
   const PairGroups groups(pairs.owned, pairs.grouped - pairs.owned);
-  std::vector<std::uint32_t> begin(listed + 1, 0);  // pairs of each row, for those given twice
+  std::vector<std::uint32_t> begin(listed + 1, 0);  // pairs of each row, to detect duplicates
   std::size_t group = 0;
   for (std::size_t k = 0; k < pairs.outer.size(); ++k) {
     const auto [i, j] = pairs.outer[k];
@@ -235,7 +235,7 @@ void check_pairs(const CheckpointLoader& a, const Pairs& pairs, const State& p,
     a.need(
         pairs.origin[k] < pairs.outer.size() && (k == 0 || pairs.origin[k - 1] < pairs.origin[k]),
         "pairs.inner[", k, "] = ", pairs.origin[k],
-        " is no place in the outer list after the last");
+        " is not a place in the outer list after the last");
   check_memory<Engine>(a, "pairs.", pairs.history);
 }
 
@@ -263,8 +263,8 @@ void check_openings(const CheckpointLoader& a, const OpeningsState& s, const Ope
   }
 }
 
-/// Part of a fluid's state, by its name. All are finite; its clock is known; the rest the fluid
-/// itself looks at.
+/// A part of a fluid's state, by name. All numbers are finite and the clock is known; the fluid
+/// itself checks the rest.
 template <class Fluid>
 void check_fluid_part(const CheckpointLoader& a, const std::string& name,
                       std::span<const double> values, const Fluid& fluid) {
@@ -277,7 +277,7 @@ void check_fluid_part(const CheckpointLoader& a, const std::string& name,
   if constexpr (FluidTraits<Fluid>::checks_state) fluid.check_state(name, values);
 }
 
-/// Loads on particles: numbers, but for what is not known yet of new ones.
+/// Loads on particles: finite, except values of new particles that are not known yet.
 template <class Loads>
 void check_loads(const CheckpointLoader& a, const Loads& loads) {
   for_each_column(loads, [&](const auto& column, const auto& values) {

@@ -16,10 +16,9 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The state of a run that goes on on another number of ranks, put together from blocks: rows of
-/// this rank, all that their contacts remember, and as ghosts those whom these contacts are with.
-/// Lists have nothing but such contacts, and the next search goes on from them: it passes particles
-/// on to the ranks that are to have them.
+/// State of a run that continues on another number of ranks, assembled from blocks: rows of this
+/// rank, the history of their contacts, and the partners of these contacts as ghosts. The lists
+/// contain only such contacts. The next search starts from them and sends particles to their ranks.
 template <class Sim>
 class Checkpoint<Sim>::Merged {
   using State = typename Engine::State;
@@ -32,7 +31,7 @@ class Checkpoint<Sim>::Merged {
     own_.take_off_pads(), others_.take_off_pads();
   }
 
-  /// Takes of a block the particles from number `from` to `to`, of those that it has itself.
+  /// Takes from a block its own particles with numbers `from` to `to`.
   void take(const CheckpointReader& in, const std::string& name, std::size_t from, std::size_t to) {
     auto block = std::make_unique<Staged>(sim_);
     block->read(detail::CheckpointLoader(in, name), name, accepted_);
@@ -47,7 +46,7 @@ class Checkpoint<Sim>::Merged {
     if constexpr (Sim::has_ledger) books_.push_back(block->book_);
     if (!first_) first_ = std::move(block);
   }
-  /// Takes nothing but the books of a block.
+  /// Takes only the ledgers of a block.
   void take_books(const CheckpointReader& in, [[maybe_unused]] const std::string& name) {
     if constexpr (Sim::has_ledger) {
       Staged block(sim_);
@@ -56,7 +55,7 @@ class Checkpoint<Sim>::Merged {
     }
     take_wall_sums(in);
   }
-  /// How many particles there are in the file of one process.
+  /// Number of particles in the file of one process.
   std::size_t count(const CheckpointReader& in, [[maybe_unused]] const std::string& name) const {
     if constexpr (Sim::of_bodies) {
       std::vector<detail::Body> bodies;
@@ -109,7 +108,7 @@ class Checkpoint<Sim>::Merged {
   struct PairMemory {
     ParticleId a, b;  // a < b
     typename Pairs::Memory values;
-    bool has_a;  // as a row of its own, the block that it is from
+    bool has_a;  // a is one of its own rows; block that it is from
   };
 
   static void append_row(State& to, State& from, std::size_t k) {
@@ -132,7 +131,7 @@ class Checkpoint<Sim>::Merged {
       ++number;
     }
   }
-  /// Bodies and what modules know of each; rows of the state beside them have their places.
+  /// Bodies and the values of modules for each; rows of the state beside them have their places.
   struct Bodies {
     std::vector<detail::Body> bodies;
     [[no_unique_address]] std::remove_cvref_t<decltype(std::declval<Engine&>().modules())> fields;
@@ -166,7 +165,7 @@ class Checkpoint<Sim>::Merged {
         own_.part.back().body = body;
       }
   }
-  /// Keeps another rank's particle, of which this is a row.
+  /// Keeps a particle of another rank, of which this is a row.
   void keep_other(Staged& block, std::uint32_t row) {
     State& p = block.particles_;
     if (other_.count(p.id[row]) > 0) return;
@@ -208,7 +207,7 @@ class Checkpoint<Sim>::Merged {
         }
   }
 
-  /// The bonds of the rows that are taken, once each.
+  /// Bonds of the rows that are taken, each once.
   void take_bonds(Staged& block) requires(Sim::has_bonds) {
     const State& p = block.particles_;
     std::unordered_set<ParticleId> taken;
@@ -236,7 +235,7 @@ class Checkpoint<Sim>::Merged {
       if (taken.count(from.freed[k]) > 0)
         bonds_.freed.insert(bonds_.freed.end(), {from.freed[k], from.freed[k + 1]});
   }
-  /// Other ends are among the ghosts after the next search.
+  /// The other ends become ghosts at the next search.
   void put_bonds(Staged& s) requires(Sim::has_bonds) {
     bonds_.made = s.bonds_.made, bonds_.broken = s.bonds_.broken;
     s.bonds_ = std::move(bonds_);
@@ -245,11 +244,11 @@ class Checkpoint<Sim>::Merged {
     s.bonds_.put(*s.stage_, s.particles_);
     s.stage_->fresh = sim_.ranks() > 1;
   }
-  /// What walls have given to the particles of all blocks, and what these have worn of them.
+  /// Heat and charge from walls to the particles of all blocks, and the wear of the walls.
   void take_wall_sums([[maybe_unused]] const CheckpointReader& in) {
     if constexpr (Sim::Modules::flux) {
       const auto more = in.get<double>("modules.from_walls");
-      if (more.size() > from_walls_.size())  // nobody has asked before
+      if (more.size() > from_walls_.size())  // not initialised yet
         from_walls_ = more;
       else if (more.size() == from_walls_.size())
         for_each_sum(from_walls_, [&](std::size_t k) { from_walls_[k] += more[k]; });
@@ -269,7 +268,7 @@ class Checkpoint<Sim>::Merged {
     for (std::size_t w = 0; w < s.worn_.size(); ++w)
       s.worn_[w] = is_first && w < worn_.size() ? worn_[w] : std::vector<double>();
   }
-  /// Visits what is a sum in such books, which have a count before the numbers of each module.
+  /// Visits the sums in such ledgers; a count precedes the numbers of each module.
   template <class Visit>
   static void for_each_sum(const std::vector<double>& books, const Visit& visit) {
     for (std::size_t at = 0; at < books.size();) {
@@ -282,7 +281,7 @@ class Checkpoint<Sim>::Merged {
     return books;
   }
 
-  /// The pairs of contacts, by rows; others' rows that they need come behind the own ones.
+  /// Pairs of contacts, by rows; needed rows of other ranks follow the own rows.
   typename Pairs::State put_pairs(const std::string& path) {
     std::unordered_map<ParticleId, std::uint32_t> place;
     for (std::uint32_t k = 0; k < own_.size(); ++k) place[own_.id[k]] = k;
@@ -332,7 +331,7 @@ class Checkpoint<Sim>::Merged {
     s.synchronous_ = std::move(synchronous_);
     s.block_.ghosts = ghosts;
   }
-  /// Bodies, and which rows are their parts.
+  /// Bodies, and the rows of their parts.
   void put_bodies(Staged& s) {
     const auto& forms = sim_.engine().mover.forms;
     std::uint32_t first = 0;
@@ -343,7 +342,7 @@ class Checkpoint<Sim>::Merged {
       s.rows_[own_bodies_.bodies[own_.part[k].body].first + own_.part[k].local] = k;
     s.bodies_ = std::move(own_bodies_.bodies), s.fields_ = std::move(own_bodies_.fields);
   }
-  /// The first rank has the sums of all ranks' books, the others what all know.
+  /// The first rank gets the sums of the ledgers of all ranks, the others what is equal on all.
   void put_books(Staged& s) {
     s.book_ = books_.front();
     if (sim_.rank() > 0) s.book_.forget_own();
@@ -362,7 +361,7 @@ class Checkpoint<Sim>::Merged {
 
   const Sim& sim_;
   const AcceptedChanges& accepted_;
-  std::unique_ptr<Staged> first_;  // whose walls, clock and openings are those of all
+  std::unique_ptr<Staged> first_;  // has the walls, clock and openings of all
   State own_, others_;             // without pads
   decltype(Engine::Mover::synchronous) synchronous_;
   std::unordered_map<ParticleId, std::size_t> other_;  // rows of others_

@@ -12,9 +12,9 @@
 #include <silt/io/scene_description.hpp>
 #include <silt/simulation.hpp>
 
-/// What the state of a simulation is made of, component by component: a visit() names the numbers
-/// and columns, for saving and loading alike, and says what single numbers may be. How they must
-/// fit to each other and to the scene is in io/checkpoint_checks.hpp.
+/// State of a simulation, component by component. Each visit() names numbers and columns, for
+/// saving and loading, and gives the allowed values of single numbers. Consistency with each other
+/// and with the scene is checked in io/checkpoint_checks.hpp.
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -73,8 +73,8 @@ void visit_upkeep(Archive& a, Upkeep& u, Reference& reference, std::size_t rows)
   a.rows("lists.inner_reach", u.inner, rows);
 }
 
-/// The columns of a table with `n` rows; loading, as many as the first column has if n is
-/// any_count.
+/// Columns of a table with `n` rows. When loading with n = any_count, the first column determines
+/// the number.
 template <class Archive, class Table>
 void visit_columns(Archive& a, Table& table, std::size_t n) {
   for_each_column(table, [&](const auto& c, auto& values) {
@@ -92,7 +92,7 @@ void visit_particles(Archive& a, State& p, std::size_t n) {
   a.number("mean_diameter", p.mean_diameter, not_negative_number);
 }
 
-/// Of PairList: the pairs of the outer list, which of them are in the inner one, and their history.
+/// PairList: pairs of the outer list, which of them are in the inner list, and their history.
 template <class Archive, class Pairs, class Memory>
 void visit_pairs(Archive& a, Pairs& pairs, const Memory& memory) {
   a.number("pairs.grouped", pairs.grouped, count_number);
@@ -142,14 +142,14 @@ void visit_candidates(Archive& a, const std::string& name, std::vector<Candidate
         all[k].image = images[k];
       else
         a.need(images[k] == 0, name, "_images[", k, "] = ", images[k],
-               ", which is no image of a wall in this box");
+               ", which is not an image of a wall in this box");
   } else {
     flat.reserve(7 * all.size());
     for (const auto& c : all)
       flat.insert(flat.end(),
                   {c.particle, c.wall, c.surface, c.slot, c.facets, c.facet_count, c.origin});
     a.copied(name, std::move(flat));
-    // In a box that repeats, where there are any.
+    // In a periodic box, if there are any.
     std::vector<std::int64_t> images;
     for (const auto& c : all) images.push_back(image_of(c));
     if (std::any_of(images.begin(), images.end(), [](std::int64_t image) { return image != 0; }))
@@ -157,7 +157,7 @@ void visit_candidates(Archive& a, const std::string& name, std::vector<Candidate
   }
 }
 
-/// Of WallContacts. `rows`: Slot by Slot, normal and then 1 where it touches.
+/// WallContacts. `rows`: slot by slot, the normal, then 1 if it touches.
 template <class Archive, class Contacts, class Memory>
 void visit_wall_contacts(Archive& a, Contacts& s, const Memory& memory) {
   visit_candidates(a, "walls.outer", s.outer), visit_candidates(a, "walls.inner", s.inner);
@@ -191,25 +191,25 @@ void visit_wall_contacts(Archive& a, Contacts& s, const Memory& memory) {
     a.column(text("walls.", memory.name_of(h)), s.history[h], s.slots.size());
 }
 
-/// What contacts remember must fit into the numbers that they remember it in.
+/// Numbers in a contact history must fit the type that stores them.
 template <class Engine, class History>
 void check_memory(const CheckpointLoader& a, const char* of, const History& history) {
   for (std::size_t h = 0; h < history.size(); ++h)
     for (const double x : history[h])
       a.need(
           std::abs(x) <= static_cast<double>(std::numeric_limits<typename Engine::Scalar>::max()),
-          of, Engine::memory.name_of(h), " has ", x, ", beyond what contacts can hold");
+          of, Engine::memory.name_of(h), " has ", x, ", beyond what contacts can store");
 }
 
-/// Where walls are and what they bear, and where they were when the lists were made.
+/// Poses and loads of walls, and their poses when the lists were built.
 struct WallsState {
-  std::vector<std::uint64_t> surfaces;  // of each wall; 0: taken away
+  std::vector<std::uint64_t> surfaces;  // of each wall; 0: removed
   std::vector<std::uint64_t> drive;     // kind of its drive (WallDrive), 0: none
-  std::vector<std::uint64_t> moves;     // 1: lists took it for one that moves
+  std::vector<std::uint64_t> moves;     // 1: the lists treat it as moving
   std::vector<Pose> pose, last_pose;
   std::vector<Vec3d> force, torque, reference, impulse, angular_impulse;
   std::vector<WallState> state;
-  std::vector<std::uint64_t> deforming, deformed, vertices;  // vertices: numbers of vertex_steps
+  std::vector<std::uint64_t> deforming, deformed, vertices;  // vertices: number of vertex_steps
   std::vector<Vec3d> vertex_steps;
   std::vector<double> worn;                 // where modules wear walls
   std::vector<std::uint64_t> worn_numbers;  // of each wall
@@ -263,7 +263,8 @@ struct WallsState {
     a.column("walls.worn", worn, Archive::loads ? CheckpointLoader::any_count : worn.size(),
              not_negative_number);
   }
-  /// What was worn of each wall of a scene, which must fit to it: `modules` that wear.
+  /// Wear of each wall of a scene, which must match the scene; `modules`: number of those that
+  /// wear.
   template <class Walls>
   std::vector<std::vector<double>> worn_of(const CheckpointLoader& a, const Walls& scene,
                                            std::size_t modules) const {
@@ -283,7 +284,7 @@ struct WallsState {
     a.need(from == worn.size(), "walls.worn has ", worn.size(), " numbers, not ", from);
     return all;
   }
-  /// A wall of the scene that the file does not know.
+  /// Adds a wall of the scene that is not in the file.
   void add(const Wall& wall, double time) {
     const Pose at = wall.motion ? wall.pose_at(time) : wall.pose;
     surfaces.push_back(wall.surfaces.size());
@@ -325,8 +326,8 @@ struct OpeningsState {
     a.column("inlets.start", start, inlets, not_negative_number);
     a.column("inlets.interval", interval, inlets, not_negative_number);
   }
-  /// What inlets and outlets go on from; `anew`: inlets begin at `time` [s], as if just added;
-  /// `count_anew`: outlets count from 0.
+  /// State from which inlets and outlets continue. `anew`: inlets begin at `time` [s], as if just
+  /// added; `count_anew`: outlets count from 0.
   template <class Openings>
   void put(Openings& openings, bool anew, bool count_anew, double time) const noexcept {
     std::size_t k = 0;

@@ -18,9 +18,9 @@
 #include <silt/io/rank_files.hpp>
 #include <silt/simulation.hpp>
 
-/// Checkpoints of many ranks: each writes a block, which is a checkpoint of its own rows, ghosts
-/// and lists as they stand, and then rank 0 an index of them, as a whole or not at all. Blocks of
-/// the index before are removed after that: a kill at any moment leaves an index with all its
+/// Checkpoints of many ranks. Each rank writes a block, which is a checkpoint of its rows, ghosts
+/// and lists. Then rank 0 writes an index, completely or not at all, and afterwards the blocks of
+/// the previous index are removed. Whenever the program is killed, the existing index has all its
 /// blocks.
 ///
 ///   run.silt               the index
@@ -28,10 +28,10 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What the index says of its blocks.
+/// The index of a checkpoint and its blocks.
 struct CheckpointIndex {
   static constexpr const char* mark = "ranks.blocks";
-  std::string blocks;                                         // what their names begin with
+  std::string blocks;                                         // common beginning of their names
   std::int64_t step = 0;                                      // of the run
   std::uint64_t present = 0;                                  // particles of all blocks
   std::vector<std::uint64_t> bytes, sums, owned, safeguards;  // of each block
@@ -69,7 +69,7 @@ struct CheckpointIndex {
     return index;
   }
 
-  /// Opens a block and sees that it is the one that was written with this index.
+  /// Opens a block and checks that it was written together with this index.
   CheckpointReader open(const std::string& path, std::size_t rank) const {
     const std::string name = block(path, rank);
     if (!file_exists(name))
@@ -83,15 +83,15 @@ struct CheckpointIndex {
     in.read("clock.step", &of, 1);
     if (of != step)
       throw FileError(text("checkpoint '", path, "' is of step ", step, ", but its block '", name,
-                           "' is of step ", of, ": take the blocks that were written with it"));
+                           "' is of step ", of, ": use the blocks that were written with it"));
     if (in.stamp() != CheckpointStamp{bytes[rank], sums[rank]})
       throw FileError(text("checkpoint '", path, "' was not written with its block '", name,
-                           "', which is of another run: take the blocks that were written with "
+                           "', which belongs to another run: use the blocks that were written with "
                            "it"));
     return in;
   }
 
-  /// What the names of new blocks begin with: they must not be those of the index that is there.
+  /// Beginning of the names of new blocks, which must differ from those of the existing index.
   [[gnu::cold]] static std::string new_blocks(const std::string& path, std::int64_t step) {
     std::string name = std::to_string(step), there;
     if (file_exists(path)) try {
@@ -101,7 +101,7 @@ struct CheckpointIndex {
       }
     return name == there ? name + 'b' : name;
   }
-  /// Removes the blocks of other indices, as of the one before, and what a kill has left of them.
+  /// Removes the blocks of previous indices and the remains of killed programs.
   [[gnu::cold]] void remove_others(const std::string& path) const noexcept {
     DIR* const all = ::opendir(folder(path).c_str());
     if (all == nullptr) return;
@@ -115,7 +115,7 @@ struct CheckpointIndex {
   static std::size_t digits(std::string_view name) {
     return std::min(name.find_first_not_of("0123456789"), name.size());
   }
-  /// 1200.3, 1200b.3, 1200.3.partial: no other files are touched.
+  /// 1200.3, 1200b.3, 1200.3.partial: no other files are removed.
   static bool is_block(std::string_view name) {
     const std::size_t steps = digits(name);
     name.remove_prefix(steps);
@@ -133,7 +133,7 @@ struct CheckpointIndex {
   }
 };
 
-/// Values that can be copied as bytes, one behind the other, in whole words.
+/// Values that can be copied as bytes, one after the other, in whole words.
 struct BytesOut {
   std::vector<std::uint64_t> words;
   template <class T>
@@ -182,7 +182,7 @@ struct BytesIn {
   }
 };
 
-/// What a block has besides the state of one process: which part of the whole it is.
+/// Additional state of a block: its part of the whole.
 struct BlockState {
   std::uint64_t rank = 0, of = 1, ghosts = 0, owners = 0;
   double smallest_radius = 0;                     // [m] of all ranks
@@ -228,9 +228,10 @@ struct BlockState {
                           {static_cast<std::uint64_t>(n.rank), n.first, n.end, n.send.size()});
       s.sent.insert(s.sent.end(), n.send.begin(), n.send.end());
     }
-    for (std::size_t w = 0; w < state.own.size(); ++w)
-      s.impulses.insert(s.impulses.end(), {state.own[w].impulse, state.own[w].angular,
-                                           state.shared[w].impulse, state.shared[w].angular});
+    for (std::size_t w = 0; w < state.loads.own.size(); ++w)
+      s.impulses.insert(s.impulses.end(),
+                        {state.loads.own[w].impulse, state.loads.own[w].angular,
+                         state.loads.shared[w].impulse, state.loads.shared[w].angular});
     s.balance = {state.lost, state.moved};
     using Ranks = std::remove_cvref_t<decltype(e.ranks)>;
     if constexpr (Ranks::template tells_parts<BytesOut>) {
@@ -241,7 +242,7 @@ struct BlockState {
     }
     return s;
   }
-  /// What RankStage goes on from.
+  /// State from which RankStage continues.
   template <class Ranks>
   void put(Ranks& ranks) const {
     ranks.counts = {};
@@ -262,25 +263,25 @@ struct BlockState {
     state.present = present, state.last_step = static_cast<std::int64_t>(counts[5]);
     state.lost = balance[0], state.moved = balance[1];
     for (std::size_t k = 0; k < impulses.size(); k += 4) {
-      state.own.push_back({impulses[k], impulses[k + 1]});
-      state.shared.push_back({impulses[k + 2], impulses[k + 3]});
+      state.loads.own.push_back({impulses[k], impulses[k + 1]});
+      state.loads.shared.push_back({impulses[k + 2], impulses[k + 3]});
     }
     ranks.restore(std::move(state));
   }
-  /// That rows and walls are there of which it speaks.
+  /// Checks that the rows and walls that it refers to exist.
   void check(const CheckpointLoader& a, std::size_t rows, std::size_t walls) const {
     a.need(rank < of, "ranks.rank = ", rank, " is none of ", of);
     a.need(ghosts <= rows, "ranks.ghosts = ", ghosts, " of ", rows, " rows");
     a.need(counts.size() == 6 && balance.size() == 2 && impulses.size() == 4 * walls &&
                neighbours.size() % 4 == 0,
-           "what it tells of ranks is not what a rank tells");
+           "its data on ranks are not those of a rank");
     std::uint64_t all = 0, next = rows - ghosts;
     for (std::size_t k = 0; k < neighbours.size(); k += 4) {
       a.need(neighbours[k] < of && neighbours[k] != rank &&
                  (k == 0 || neighbours[k - 4] < neighbours[k]) && neighbours[k + 1] == next &&
                  neighbours[k + 2] >= next && neighbours[k + 2] <= rows &&
                  neighbours[k + 3] <= sent.size() - all,
-             "ranks.neighbours[", k, "] is no other rank with rows of its own");
+             "ranks.neighbours[", k, "] is not another rank with its own rows");
       next = neighbours[k + 2], all += neighbours[k + 3];
     }
     a.need(all == sent.size() && (next == rows || neighbours.empty()),

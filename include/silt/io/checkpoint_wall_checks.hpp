@@ -12,12 +12,12 @@
 
 #include <silt/io/checkpoint_checks.hpp>
 
-/// How what a checkpoint has of walls must fit to the walls of the scene; as checkpoint_checks.hpp.
+/// Consistency of a checkpoint's walls with those of the scene; as checkpoint_checks.hpp.
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// `forgotten`: the lists will be made anew before they are used, but for the contacts in them.
-/// Returns whether candidates are laid out as for these walls; `other_motions`: they need not be.
+/// `forgotten`: the lists will be rebuilt before use, except the contacts in them. Returns whether
+/// candidates are laid out as for these walls; `other_motions`: they need not be.
 template <class Engine, class Contacts>
 bool check_wall_contacts(const CheckpointLoader& a, const typename Contacts::State& s,
                          const Contacts& contacts, std::span<const Wall> walls, std::size_t listed,
@@ -36,7 +36,7 @@ bool check_wall_contacts(const CheckpointLoader& a, const typename Contacts::Sta
              " of ", facets.size());
       const WallImage image = image_of(c);
       a.need(is_wall_image(image, contacts.period), name, "_images[", k, "] = ", image,
-             ", which is no image of a wall in this box");
+             ", which is not an image of a wall in this box");
       if (surfaces.empty() || forgotten) continue;
       a.need(image == 0 || !std::holds_alternative<Plane>(surfaces[c.surface]), name, "_images[", k,
              "] = ", image, ", but planes do not repeat");
@@ -57,7 +57,7 @@ bool check_wall_contacts(const CheckpointLoader& a, const typename Contacts::Sta
   for (std::size_t k = 0; k < s.inner.size(); ++k) {
     const auto& c = s.inner[k];
     a.need(c.origin < s.outer.size() && !seen[c.origin] && s.outer[c.origin].key() == c.key(),
-           "walls.inner[", k, "] is none of the outer list");
+           "walls.inner[", k, "] is not in the outer list");
     seen[c.origin] = true;
   }
   a.need(Contacts::has_slots(s), "walls.inner has slots that contacts cannot have");
@@ -68,12 +68,12 @@ bool check_wall_contacts(const CheckpointLoader& a, const typename Contacts::Sta
   a.need(laid_out || other_motions || forgotten, "walls.inner is not laid out as contacts are");
   for (std::size_t k = 0; k < s.slots.size(); ++k)
     a.need(std::abs(norm(s.slots[k].normal) - 1) < 1e-3, "walls.slots[", 4 * k,
-           "]: the normal is no unit vector");
+           "]: the normal is not a unit vector");
   check_memory<Engine>(a, "walls.", s.history);
   return laid_out;
 }
 
-/// All numbers are finite, and turns and moments of inertia are such.
+/// All numbers are finite; rotations and moments of inertia are valid.
 inline void check_wall_state(const CheckpointLoader& a, const std::string& name,
                              const WallState& s) {
   check_finite_rows(a, text("walls.state of ", name), std::span<const WallState>(&s, 1));
@@ -81,7 +81,7 @@ inline void check_wall_state(const CheckpointLoader& a, const std::string& name,
              std::min({s.principal.x, s.principal.y, s.principal.z}) > 0 &&
              (s.changed == 0 || s.changed == 1),
          name,
-         ": walls.state has turns that are no unit quaternions, or moments of inertia that "
+         ": walls.state has rotations that are not unit quaternions, or moments of inertia that "
          "are not greater than 0");
 }
 
@@ -115,9 +115,9 @@ inline void check_walls(const CheckpointLoader& a, const WallsState& s, std::spa
         s.deforming[w] <= 2 &&
             (s.vertices[w] == 0 ? s.deforming[w] == 0
                                 : mesh != nullptr && s.vertices[w] == (*mesh)->vertices().size()),
-        name_of_wall(walls, w), ": walls.vertices = ", s.vertices[w], " does not fit to its mesh");
+        name_of_wall(walls, w), ": walls.vertices = ", s.vertices[w], " does not match its mesh");
     all_vertices += s.vertices[w];
-    if (walls[w].is_driven() || s.drive[w] != 0) continue;  // where its loads have brought it
+    if (walls[w].is_driven() || s.drive[w] != 0) continue;  // its pose follows from its loads
     Wall then = walls[w];
     then.state = s.state[w];
     const Pose scene = then.motion ? then.pose_at(c.time) : Pose{};
@@ -134,7 +134,7 @@ inline void check_walls(const CheckpointLoader& a, const WallsState& s, std::spa
   check_finite_rows(a, "walls.vertex_steps", s.vertex_steps);
   for (const auto& marks : s.marks) {
     a.need(forgotten ? marks.size() <= walls.size() : marks.size() == walls.size(),
-           "the lists know poses of ", marks.size(), " walls of ", walls.size());
+           "the lists have poses of ", marks.size(), " walls of ", walls.size());
     for (const Pose& p : marks)
       a.need(is_finite(p) && is_unit(p.rotation),
              "walls.searched and walls.pruned: poses must be "

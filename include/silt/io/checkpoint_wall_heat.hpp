@@ -15,15 +15,16 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Thermal conditions of walls in checkpoints: those that Simulation::set_wall_heat() has changed,
-/// as wall, kind, whether it is constant, and its value at the checkpoint's time. A file without
-/// such changes has no such column. A function of time is in no file: the program must have set the
-/// same one. Tests: tests/engine/wall_heat.cpp.
+/// Thermal conditions of walls in checkpoints: those changed by Simulation::set_wall_heat(), as
+/// wall, kind, whether it is constant, and its value at the checkpoint's time. A file without such
+/// changes has no such column. Functions of time are not stored: the program must have set the same
+/// one.
+/// Tests:   tests/engine/wall_heat.cpp.
 template <class M>
 concept KnowsWallHeat = requires(const M& m) {
   { m.walls } -> std::convertible_to<const WallValues<WallHeat>&>;
 };
-/// Calls visit(module) for the one that knows it.
+/// Calls visit(module) for the module that has them.
 template <class Modules, class Visit>
 void with_wall_heat(Modules& modules, const Visit& visit) {
   const auto one = [&](auto& m) {
@@ -45,7 +46,7 @@ inline void save_wall_heat(CheckpointSaver& a, const WallValues<WallHeat>& walls
   if (!numbers.empty()) a.copied(wall_heat_column, std::move(numbers));
 }
 
-/// The program's conditions with the changes of the file. FileError, InputError: see above.
+/// Conditions of the program with the changes of the file. FileError, InputError: see above.
 template <class Sim>
 WallValues<WallHeat> load_wall_heat(const CheckpointLoader& a, const Sim& sim,
                                     WallValues<WallHeat> walls, double time) {
@@ -73,7 +74,7 @@ WallValues<WallHeat> load_wall_heat(const CheckpointLoader& a, const Sim& sim,
     require(own != nullptr && own->value(kind, time) == value, "checkpoint: ", sim.wall_name(w),
             kind == Kind::HeldAt ? " is held at " : " is heated by ", value,
             kind == Kind::HeldAt ? " K" : " W",
-            " by a function of time that set_wall_heat gave it, and a file cannot keep a function; "
+            " by a function of time given to set_wall_heat, which a file cannot contain; "
             "call set_wall_heat with it before load_checkpoint");
   }
   return walls;

@@ -11,10 +11,10 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Where coarse_grained() writes means over some samples as it goes.
+/// Output of coarse_grained() during a run: means over some samples.
 struct CoarseOutput {
-  std::string folder = {};  // of coarse.pvd and its .vti files; left out: only fields() are kept
-  int samples = 1;          // a file for each so many
+  std::string folder = {};  // of coarse.pvd and its .vti files; empty: only fields() are kept
+  int samples = 1;          // number of samples per file
 };
 
 /// See coarse_grained().
@@ -62,16 +62,16 @@ class CoarseGrained {
   std::optional<VtkSeries> series_;
 };
 
-/// An observer that takes a sample of the coarse-grained fields (CoarseFields) at the times of its
-/// schedule and averages them:
+/// Observer that samples the coarse-grained fields (CoarseFields) at the times of its schedule and
+/// averages them:
 ///
 ///   auto flow = silt::coarse_grained(silt::CoarseGrid{box, {40, 1, 60}},
 ///                                    silt::GaussianKernel{.width = 2e-3}, silt::every(1e-3));
 ///   sim.run(1.0, flow);
 ///   flow.fields().write_vti("flow.vti");
 ///
-/// With a CoarseOutput it writes the mean of each so many samples and begins anew.
-/// Errors: InputError for a grid or kernel that cannot be used, for no samples.
+/// With a CoarseOutput it writes the mean of every `samples` samples and starts a new mean.
+/// Errors: InputError for an invalid grid or kernel, or samples = 0.
 template <class Kernel>
 CoarseGrained<Kernel> coarse_grained(const CoarseGrid& grid, const Kernel& kernel,
                                      Schedule schedule, CoarseOutput output = {}) {

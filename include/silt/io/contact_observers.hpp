@@ -20,7 +20,7 @@ class ContactObserver {
     static_assert(
         Sim::has_events,
         "on_contact_begin and on_contact_end need a simulation that watches its contacts: "
-        "give it the policy silt::ContactEvents{} beside particles and contacts");
+        "give it the policy silt::ContactEvents{} in addition to particles and contacts");
   }
   template <class Sim>
   bool is_due(const Sim&) const {
@@ -38,17 +38,17 @@ class ContactObserver {
 
 }  // namespace detail
 
-/// Calls `action(const ContactEvent&)` for each contact that begins, in the step in which it does:
-/// what only its end tells is 0. Within a step in the order of ids.
+/// Calls `action(const ContactEvent&)` for each contact that begins, in the step in which it
+/// begins; within a step in the order of ids. Values known only at the end of a contact are 0.
 ///
 ///   sim.run(1.0, silt::on_contact_begin([&](const silt::ContactEvent& c) { ++hits; }));
 template <class Action>
 detail::ContactObserver<false, Action> on_contact_begin(Action action) {
   return detail::ContactObserver<false, Action>(std::move(action));
 }
-/// Calls `action(const ContactEvent&)` for each contact that ends, with all that it was. Contacts
-/// that last until the end of a run are not among them, nor those that end because a particle
-/// leaves through an outlet or a wall is removed.
+/// Calls `action(const ContactEvent&)` for each contact that ends, with the data of the whole
+/// contact. Not reported: contacts that last until the end of a run, and those that end because a
+/// particle leaves through an outlet or a wall is removed.
 template <class Action>
 detail::ContactObserver<true, Action> on_contact_end(Action action) {
   return detail::ContactObserver<true, Action>(std::move(action));

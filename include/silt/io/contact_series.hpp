@@ -16,14 +16,14 @@
 namespace silt::inline SILT_TARGET {
 namespace detail {
 
-/// "name_000001200.vtp" of a step.
+/// File name of a step: "name_000001200.vtp".
 inline std::string file_of_step(const char* name, std::int64_t step, const char* kind) {
   const auto number = std::to_string(step);
   return text(name, '_', std::string(9 - std::min<std::size_t>(9, number.size()), '0'), number,
               kind);
 }
 
-/// Hands the contacts to a writer: as any caller, or as an observer that has said so.
+/// Passes the contacts to a writer, with or without the declaration of an observer.
 template <class Sim>
 auto asked_contacts(const Sim& sim) {
   return [&sim](const auto& f) { sim.for_each_contact(f); };
@@ -33,10 +33,10 @@ auto recorded_contacts(const Sim& sim, const char* who) {
   return [&sim, who](const auto& f) { sim.visit_contacts(f, who); };
 }
 
-/// Contacts as lines for a file. Its arrays are as long as they ever had to be, and used again.
+/// Contacts as lines for a file. Its arrays are kept and reused.
 class ContactLines {
  public:
-  /// Takes the contacts that `each` visits. `sim` tells the places of particles.
+  /// Takes the contacts that `each` visits; `sim` gives the positions of particles.
   template <class Sim, class Each>
   void take(const Sim& sim, const Each& each) {
     count_ = 0;
@@ -115,7 +115,7 @@ void write_contact_table(const Sim& sim, const std::string& file, const Each& ea
   });
 }
 
-/// `Table`: contacts as CSV files instead of lines.
+/// `Table`: writes CSV files instead of lines.
 template <bool Table>
 class ContactSeries {
  public:
@@ -164,9 +164,9 @@ class ContactSeries {
 }  // namespace detail
 
 /// Writes the contacts of the present step as lines between the centres of two particles, or from
-/// the point at a wall to the centre: normal force, tangential force (its size), force on a [N],
-/// overlap [m], ids a and b (of a wall the largest number there is), wall (-1: none). A contact
-/// through the side of a periodic box is drawn whole, beside a. `file` should end in .vtp.
+/// the point at a wall to the centre. Fields: normal force, tangential force (magnitude), force on
+/// a [N], overlap [m], ids a and b (the largest integer for a wall), wall (-1: none). A contact
+/// across the side of a periodic box is drawn whole, beside a. `file` should end in .vtp.
 template <class Sim>
 void write_contacts(const std::string& file, const Sim& sim) {
   detail::ContactLines lines;
@@ -179,8 +179,8 @@ void write_contact_csv(const std::string& file, const Sim& sim) {
   detail::write_contact_table(sim, file, detail::asked_contacts(sim));
 }
 
-/// Writes `folder/contacts.pvd`, a time series of lines as in write_contacts(): force chains, in
-/// ParaView with the filter Tube, or by `silt draw` (docs/python.md).
+/// Writes `folder/contacts.pvd`, a time series of lines as in write_contacts(). It shows force
+/// chains, in ParaView with the filter Tube, or by `silt draw` (docs/python.md).
 ///   sim.run(1.0, silt::contact_series("out", silt::every(0.01)));
 inline detail::ContactSeries<false> contact_series(std::string folder, Schedule schedule) {
   return {std::move(folder), schedule};

@@ -12,14 +12,14 @@
 #include <silt/boundary/wall.hpp>
 #include <silt/io/scene_description.hpp>
 
-/// What a checkpoint says of the scene that wrote it, beside the policies: domain, materials,
-/// walls, inlets and outlets, forms, fluid. What cannot be seen from outside is not in it: a motion
-/// (its pose at the checkpoint's time is compared), the parameters of searches, drag laws and
-/// averaging. Tests: tests/io/checkpoint_scene.cpp (items, changed).
+/// Description of a scene in its checkpoints, besides the policies: domain, materials, walls,
+/// inlets and outlets, forms, fluid. Not included is what cannot be read from outside: motions (the
+/// pose at the checkpoint's time is compared), and parameters of searches, drag laws and averaging.
+/// Tests: tests/io/checkpoint_scene.cpp (items, changed).
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Adds items whose names begin with `of`.
+/// Adds items; their names begin with `of`.
 class Describer {
  public:
   using Aspect = SceneDescription::Aspect;
@@ -79,7 +79,7 @@ inline void describe(const Describer& is, const TriangleMesh& mesh) {
   is("corners of the triangles", std::span<const Vec3d>(corners));
 }
 
-/// Numbers of a plain aggregate of doubles, as laws have them for their kernels; what each is, if
+/// Numbers of a plain aggregate of doubles, as used by the kernels of laws; with their meaning if
 /// the aggregate has a static array `names`.
 template <class Aggregate>
 void describe_numbers(const Describer& is, const std::string& whose, const Aggregate& values) {
@@ -96,7 +96,7 @@ void describe_numbers(const Describer& is, const std::string& whose, const Aggre
   }
 }
 
-/// Of the law and the rolling model for every pair, in the order of the engine's table.
+/// The law and the rolling model for every pair, in the order of the engine's table.
 template <class Table>
 void describe_materials(const Describer& is, const Table& table) {
   is("materials", table.materials);
@@ -123,7 +123,7 @@ void describe_form(const Describer& is, const Form& form) {
   is.number("centroid z [m]", m.centroid.z, apart);
 }
 
-/// The name of a form that an inlet brings.
+/// Name of the form that an inlet inserts.
 template <class Sim>
 std::string_view name_of_form([[maybe_unused]] const Sim& sim, [[maybe_unused]] std::size_t form) {
   if constexpr (Sim::of_bodies)
@@ -156,8 +156,8 @@ void describe_inlet(const Describer& is, const Inlet& inlet, const Sim& sim) {
   }
 }
 
-/// What moves a wall. A motion is a function, which cannot be seen: where it has brought the wall
-/// is compared instead.
+/// Motion or drive of a wall. A motion is a function and cannot be described; the pose that it
+/// gives is compared instead.
 inline void describe_motion(const Describer& is, const Wall& wall) {
   is("moves", wall.moves() ? "yes" : "no");
   const auto is_driven_by = [&](const char* drive) { is("is driven by", drive); };
@@ -190,7 +190,7 @@ inline void describe_motion(const Describer& is, const Wall& wall) {
         } else if constexpr (std::is_same_v<Drive, FreeBody>) {
           is_driven_by("loads as a free body");
           is("inertia on the diagonal", Vec3d{d.inertia.xx, d.inertia.yy, d.inertia.zz}, "kg m2");
-          is("inertia beside it", Vec3d{d.inertia.xy, d.inertia.yz, d.inertia.zx}, "kg m2");
+          is("products of inertia", Vec3d{d.inertia.xy, d.inertia.yz, d.inertia.zx}, "kg m2");
         }
       },
       wall.drive);
@@ -199,7 +199,7 @@ inline void describe_motion(const Describer& is, const Wall& wall) {
   is("its centre", wall.belt.centre);
 }
 
-/// Puts `named` in the place of each `plain`.
+/// Replaces each `plain` by `named`.
 [[gnu::cold]] inline void put_name(std::string& words, const std::string& plain,
                                    const std::string& named) {
   for (auto at = words.find(plain); named != plain && at != words.npos;
@@ -207,7 +207,7 @@ inline void describe_motion(const Describer& is, const Wall& wall) {
     words.replace(at, plain.size(), named);
 }
 
-/// "wall 2: ", "form 1: " and "materials 0 and 1: " of items as messages call these.
+/// Adds names to items such as "wall 2: ", "form 1: " and "materials 0 and 1: ".
 template <class Sim>
 [[gnu::cold]] std::string with_names(std::string words, const Sim& sim) {
   for (std::size_t w = 0; w < sim.walls(); ++w)
@@ -224,8 +224,7 @@ template <class Sim>
   return words;
 }
 
-/// `removed[w]`: whether wall w is described as one without surfaces. Walls from `known` on are
-/// new.
+/// `removed[w]`: wall w is described as one without surfaces. Walls from `known` on are new.
 template <class Sim, class Table, class Openings>
 SceneDescription describe_scene(const Sim& sim, const Table& coefficients, const Openings& openings,
                                 const std::vector<bool>& removed, std::size_t known) {

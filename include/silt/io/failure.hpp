@@ -21,13 +21,13 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// What a failed run is looked at by: who the error names, who touches them, who is near.
+/// Data on a failed run: the particles named by the error, their contacts, and their surroundings.
 template <class Sim>
 class FailureScene {
  public:
   enum Role : std::uint32_t { Near = 0, Touching = 1, Named = 2 };
 
-  /// `back` [s]: positions have gone on for so long since the forces acted.
+  /// `back` [s]: time by which positions are ahead of the forces.
   FailureScene(const Sim& sim, const SimulationError& error, double back)
       : sim_(sim), role_(sim.rows(), Near) {
     std::vector<ParticleId> ids(error.particles.begin(), error.particles.end());
@@ -63,8 +63,8 @@ class FailureScene {
                "overlap [-] of the smaller radius", "approach [m/s]", "x [m]", "y [m]", "z [m]"},
               contacts_);
   }
-  /// Particles near those named, or only these and what touches them, for ParaView and `silt
-  /// draw --colour role`: role 2 those that the error names, 1 those that touch them, 0 others.
+  /// Writes particles near those named, or only these and their contact partners, for ParaView and
+  /// `silt draw --colour role`. Role 2: named by the error, 1: in contact with those, 0: others.
   void write_particles_vtp(const std::string& path, bool others) const {
     std::vector<std::size_t> shown;
     for (const std::size_t k : near_)
@@ -80,7 +80,7 @@ class FailureScene {
   bool has_walls() const { return sim_.walls() > 0 && around_.min.x <= around_.max.x; }
   std::size_t contacts() const { return contacts_.size(); }
   bool has_named() const { return !named_.empty(); }
-  /// Whether all of the state is numbers, so that a checkpoint of it can be loaded.
+  /// Whether the whole state is finite, and a checkpoint of it can be loaded.
   bool is_finite() const {
     for (std::size_t k = 0; k < sim_.rows(); ++k)
       if (sim_.is_present(k) &&
@@ -90,7 +90,7 @@ class FailureScene {
   }
 
  private:
-  /// The error names nobody: the fastest is shown.
+  /// If the error names no particle, the fastest are shown.
   std::vector<ParticleId> fastest() const {
     ParticleId who = no_particle;
     double most = -1;
@@ -101,8 +101,7 @@ class FailureScene {
   }
   void find_contacts(double back) {
     const auto& e = sim_.engine();
-    if (e.lists.upkeep.searched_at < 0)
-      return;  // before the first search nothing is known to touch
+    if (e.lists.upkeep.searched_at < 0) return;  // before the first search no contacts are known
     for_each_overlap(
         e, sim_.domain(), back,
         [&](std::uint32_t a, std::uint32_t b, std::size_t wall, bool with_wall, double overlap) {
@@ -111,7 +110,7 @@ class FailureScene {
             return k < role_.size() && role_[k] == Named;
           };
           if (!(overlap > 0) || !(is_named(i) || is_named(j))) return;
-          for (const std::size_t k : {i, j})  // not those of other ranks
+          for (const std::size_t k : {i, j})  // without those of other ranks
             if (k < role_.size() && role_[k] != Named) role_[k] = Touching;
           const auto velocity = [&](std::size_t k) {
             return k < role_.size() ? sim_.velocity(k) : e.owner(k).velocity();
@@ -192,8 +191,8 @@ class FailureScene {
     write_vtp_triangles(path, all.points, all.triangles, fields);
   }
 
-  static constexpr double reach = 8;              // [-] of the largest radius
-  static constexpr std::size_t most_near = 2000;  // particles in the picture
+  static constexpr double reach = 8;              // [-] in largest radii
+  static constexpr std::size_t most_near = 2000;  // limit of particles in the picture
 
   const Sim& sim_;
   std::vector<Role> role_;
@@ -202,8 +201,7 @@ class FailureScene {
   Box around_;
 };
 
-/// What the numbers of walls, materials and forms in the files mean, where these have names: a line
-/// each.
+/// Names of walls, materials and forms by the numbers that the files contain, one per line.
 template <class Sim>
 std::string lines_of_names(const Sim& sim) {
   std::string lines;
@@ -220,32 +218,32 @@ std::string lines_of_names(const Sim& sim) {
 
 }  // namespace detail
 
-/// Keeps what is needed to see why a run failed. Where it stops with a SimulationError, `folder`
-/// has
+/// Keeps the data needed to analyse a failed run. When the run stops with a SimulationError,
+/// `folder` contains
 ///
-///   failure.txt      the error's sentence, step, time and particles, and the names of walls,
-///                    materials and forms, whose numbers the other files have
-///   last_good.silt   a checkpoint of the last state that was kept: of the start of the run, or the
-///                    last one of the schedule; a run from it fails again
-///   at_failure.silt  a checkpoint of the state in which it failed, to look at; not where that has
+///   failure.txt      message of the error, step, time and particles, and the names of walls,
+///                    materials and forms, which the other files give by number
+///   last_good.silt   checkpoint of the last state that was kept: the start of the run, or the last
+///                    time of the schedule; a run from it fails again
+///   at_failure.silt  checkpoint of the state at the failure, for inspection; not if that state has
 ///                    numbers that are not finite
-///   particles.csv    the particles that the error names (the fastest, if it names none), and those
-///                    that touch them
-///   contacts.csv     the contacts of those named, the deepest first
-///   touching.vtp     those named and those that touch them, with `role`: 2 named, 1 touching; for
-///                    ParaView, or `silt draw touching.vtp --colour role`
-///   around.vtp       the same with all that lies around them, of role 0
+///   particles.csv    particles named by the error (the fastest, if it names none), and those in
+///                    contact with them
+///   contacts.csv     contacts of those named, deepest first
+///   touching.vtp     those named and those in contact with them, with `role`: 2 named, 1 touching;
+///                    for ParaView, or `silt draw touching.vtp --colour role`
+///   around.vtp       the same with all surrounding particles, role 0
 ///   walls.vtp        the walls around
 ///
-/// and the error is thrown again with a sentence that says where they are. Each file is whole or
-/// not there; one that cannot be written is named in that sentence and hides nothing. On several
-/// ranks the checkpoints are of all, rank 0 writes failure.txt, and each rank that has particles
-/// which the error names writes the other files, of what it has: particles_r2.csv.
+/// and the error is thrown again with a sentence that names these files. Each file is complete or
+/// absent. A file that cannot be written is named in that sentence, and the original error is kept.
+/// On several ranks the checkpoints contain all particles, and rank 0 writes failure.txt. Each rank
+/// with particles that the error names writes the other files for its part: particles_r2.csv.
 ///
 ///   sim.run(1.0, silt::on_failure("failed", silt::every(0.1)));
 ///
-/// Cost: that of a checkpoint at the start of the first run, and at each time of the schedule.
-/// Errors: FileError where the checkpoint of the start cannot be written.
+/// Cost:   one checkpoint at the start of the first run and at each time of the schedule.
+/// Errors: FileError if the checkpoint of the start cannot be written.
 /// Tests:  tests/io/failure.cpp.
 class OnFailure {
  public:
@@ -268,13 +266,13 @@ class OnFailure {
     keep_state(sim);
     keep_->mark(sim);
   }
-  /// Writes all that is to be seen of a failure; returns what the error's sentence shall end with.
+  /// Writes all files of a failure; returns the sentence to append to the error.
   template <class Sim>
   std::string failed(const Sim& sim, const SimulationError& error, double back) noexcept {
     try {
       return write_all(sim, error, back);
     } catch (...) {
-      return text(" (on_failure could write nothing to ", in_quotes(folder_), ")");
+      return text(" (on_failure could not write to ", in_quotes(folder_), ")");
     }
   }
 
@@ -306,7 +304,7 @@ class OnFailure {
     try {
       make_folder(folder_);
     } catch (const std::exception& e) {
-      return text(" (on_failure could write nothing: ", e.what(), ")");
+      return text(" (on_failure could not write: ", e.what(), ")");
     }
     std::optional<detail::FailureScene<Sim>> seen;
     detail::on_all_ranks(sim, "a look at a failure", [&] { seen.emplace(sim, error, back); });
@@ -341,8 +339,8 @@ class OnFailure {
     if (good_)
       words += text("; last_good.silt is the state at step ", good_->step, ", t = ", good_->time,
                     " s, before the failure");
-    words += finite ? "; at_failure.silt is the state in which it failed"
-                    : "; the state in which it failed is not all numbers, and no checkpoint";
+    words += finite ? "; at_failure.silt is the state at the failure"
+                    : "; the state at the failure is not finite, and was not written";
     return words + lacking + ')';
   }
 

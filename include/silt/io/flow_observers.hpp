@@ -12,27 +12,28 @@
 #include <silt/fluid/flow_mean.hpp>
 #include <silt/io/observers.hpp>
 
-/// What is measured in the flow of a CoupledFlow while a simulation runs: at points, by pressure
-/// taps, along lines, as means over time. `flow_at` and `FlowMean` do it without a simulation.
-/// The flow is ahead of the particles by up to one of its steps: tables have the time of both.
-/// Pressures are without the weight of the fluid, and columns say so; with
-/// `FlowOutput{.weight_from = place}` they are with it, and equal at that place.
-/// Errors: InputError at the start of a run where a point has no fluid, names that repeat, and
-///         nothing to measure. Tests: tests/io/flow_observers.cpp.
+/// Observers of the flow of a CoupledFlow in a run: at points, at pressure taps, along lines, and
+/// means over time. `flow_at` and `FlowMean` do the same without a simulation. The flow is ahead of
+/// the particles by up to one of its steps; tables contain both times. Pressures exclude the weight
+/// of the fluid, as the column names say. `FlowOutput{.weight_from = place}` includes it; both
+/// pressures are equal at that place.
+/// Errors: InputError at the start of a run for a point without fluid, repeated names, and nothing
+///         to measure.
+/// Tests:  tests/io/flow_observers.cpp.
 
 namespace silt::inline SILT_TARGET {
 
 struct FlowOutput {
-  std::optional<Vec3d> weight_from{};  // [m] pressures with the fluid's weight, 0 of it here
-  bool temperature = false;            // a column more of flow_probes, of a flow with heat
+  std::optional<Vec3d> weight_from{};  // [m] includes the fluid's weight, which is 0 at this point
+  bool temperature = false;            // adds a column to flow_probes, for a flow with heat
 };
-/// A point at which the flow is measured.
+/// A point where the flow is measured.
 struct FlowProbe {
   std::string name;
   Vec3d place;  // [m]
 };
-/// A place at which the pressure is measured: a point, or the mean over the plane across a
-/// direction (0, 1, 2) through it, as a ring of taps has it.
+/// A place where the pressure is measured: a point, or the mean over the plane normal to a
+/// direction (0, 1, 2) through it, as by a ring of taps.
 struct PressureTap {
   std::string name;
   Vec3d place;  // [m]
@@ -46,7 +47,7 @@ const auto& flow_of(const Sim& sim) {
   static_assert(
       requires { sim.fluid().flow().grid(); },
       "observers of a flow (flow_probes, pressure_taps, flow_profile, flow_average) need "
-      "a simulation with a CoupledFlow: give it one beside particles and contacts");
+      "a simulation with a CoupledFlow: give it one in addition to particles and contacts");
   return sim.fluid().flow();
 }
 template <class Sim>
@@ -67,7 +68,7 @@ double weight_at(const Sim& sim, const FlowOutput& output, const Vec3d& x) {
   return weight ? weight->pressure(flow_of(sim).fluid().density, x) : 0;
 }
 
-/// An observer that looks at the scene before a run.
+/// Observer that checks the scene before a run.
 template <class Observer, class Check>
 class Checked {
  public:
@@ -98,13 +99,14 @@ template <class Sim>
 void check_place(const Sim& sim, const char* what, const std::string& name, const Vec3d& x) {
   require(has_fluid_at(flow_of(sim), x), what, ": at ", in_quotes(name), ", ", x,
           " m, there is no fluid: the flow's box goes from ", flow_of(sim).grid().box().min, " to ",
-          flow_of(sim).grid().box().max, " m", flow_of(sim).open_cells() ? ", less its walls" : "");
+          flow_of(sim).grid().box().max, " m",
+          flow_of(sim).open_cells() ? ", without its walls" : "");
 }
 
 }  // namespace detail
 
-/// Velocity [m/s] (between the particles), pressure [Pa] and voidage at points, a row a time, in
-/// the table `path`; with FlowOutput{.temperature = true} temperature [K] too; for `silt
+/// Writes velocity [m/s] (interstitial), pressure [Pa] and void fraction at points, one row per
+/// time, to the table `path`; with FlowOutput{.temperature = true} also temperature [K]. For `silt
 /// curves`.
 ///
 ///   sim.run(1.0, silt::flow_probes("probes.csv", {{"axis", {0, 0, 0.1}}}, silt::every(0.01)));
@@ -141,8 +143,8 @@ inline auto flow_probes(const std::string& path, std::vector<FlowProbe> probes, 
   return detail::Checked{std::move(rows), check};
 }
 
-/// Pressures [Pa] at taps, and by how much it falls from each to the next, a row a time, in the
-/// table `path`.
+/// Writes pressures [Pa] at taps, and the pressure drop from each to the next, one row per time, to
+/// the table `path`.
 ///
 ///   silt::pressure_taps("taps.csv", {{"below", {0, 0, 0.02}, 2}, {"above", {0, 0, 0.08}, 2}},
 ///                       silt::every(0.01))
@@ -178,10 +180,10 @@ inline auto pressure_taps(const std::string& path, std::vector<PressureTap> taps
   return detail::Checked{std::move(rows), check};
 }
 
-/// The flow along a line from one point to another, at so many points, both ends included: a table
-/// `folder/name_<step>.csv` a time, with distance [m], place [m], velocity [m/s], pressure [Pa] and
-/// voidage, of a flow with heat temperature [K]. Points without fluid are left out. For `silt
-/// curves --x distance`.
+/// Writes the flow along a line at `points` equidistant points, both ends included: one table
+/// `folder/name_<step>.csv` per time, with distance [m], position [m], velocity [m/s], pressure
+/// [Pa] and void fraction; for a flow with heat also temperature [K]. Points without fluid are
+/// omitted. For `silt curves --x distance`.
 inline auto flow_profile(const std::string& folder, const std::string& name, const Vec3d& from,
                          const Vec3d& to, int points, Schedule schedule,
                          const FlowOutput& output = {}) {
@@ -232,16 +234,17 @@ inline auto flow_profile(const std::string& folder, const std::string& name, con
 
 /// Options of flow_average().
 struct FlowAverageOptions {
-  double from = 0;                      // [s] of the simulation, from which on states count
-  FlowOutput output{};                  // with the fluid's weight or without
-  std::optional<int> plane_across = 1;  // direction of the plane that is written as a table; none
-  std::optional<double> plane_at{};     // [m] along it; left out: the middle of the box
+  double from = 0;                      // [s] simulation time at which averaging starts
+  FlowOutput output{};                  // with or without the fluid's weight
+  std::optional<int> plane_across = 1;  // normal direction of the plane written as a table; none:
+                                        // no table
+  std::optional<double> plane_at{};     // [m] its position; left out: the middle of the box
 };
 
-/// Means of a flow over time. At its times it takes the flow as it is then for the time since the
-/// last; at the end of a run it writes `folder/mean_flow.vti` for ParaView, and a plane of it as
-/// `folder/mean_flow.csv` for `silt cells`. Given to several runs in turn it goes on; a restart
-/// begins anew.
+/// Time average of a flow. Each state is weighted with the time since the previous one. At the end
+/// of a run it writes `folder/mean_flow.vti` for ParaView, and a plane of it as
+/// `folder/mean_flow.csv` for `silt cells`. Given to several runs in turn it continues; after a
+/// restart it starts anew.
 ///
 ///   auto mean = silt::flow_average("out", silt::every(1e-3), {.from = 0.5});
 ///   sim.run(2.0, mean);
@@ -257,7 +260,7 @@ class FlowAverage {
   void begin(const Sim& sim, double end) {
     require(!options_.plane_across || (*options_.plane_across >= 0 && *options_.plane_across < 3),
             "FlowAverageOptions.plane_across = ", options_.plane_across.value_or(0),
-            " is none of 0, 1, 2");
+            " is not 0, 1 or 2");
     detail::flow_of(sim);
     require(mean_.time() > 0 || options_.from < end, "flow_average '", folder_,
             "': FlowAverageOptions.from = ", options_.from, " s is not before the run's end at ",

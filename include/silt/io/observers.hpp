@@ -1,108 +1,28 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <functional>
-#include <limits>
+#include <algorithm>
+#include <cstddef>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <silt/boundary/outline.hpp>
 #include <silt/files/csv_table.hpp>
 #include <silt/files/vtk.hpp>
 #include <silt/io/checkpoint.hpp>
+#include <silt/io/particle_files.hpp>
 #include <silt/io/progress.hpp>
 #include <silt/io/rank_files.hpp>
-#include <silt/shape/surface_mesh.hpp>
+#include <silt/io/schedule.hpp>
+#include <silt/io/wall_files.hpp>
 
 namespace silt::inline SILT_TARGET {
 
-/// Due at every multiple of `interval` [s] of simulated time, the nearest step to it.
-class Schedule {
- public:
-  explicit Schedule(double interval) : interval_(interval) {
-    require_positive("every: interval", interval, "s");
-  }
-  template <class Sim>
-  bool is_due(const Sim& sim) const {
-    return number(sim) > last_;
-  }
-  template <class Sim>
-  void mark(const Sim& sim) {
-    last_ = number(sim);
-  }
-  /// Due at once if it is time and observers were not called at this instant yet; of an observer
-  /// that only reads also if they were, but for a run that goes on from a checkpoint. An observer
-  /// that is given to several runs in turn goes on with its schedule. A run ends up to a step after
-  /// its duration: for those that only read, that is still the instant.
-  template <class Sim>
-  void begin(const Sim& sim, bool only_reads = false) {
-    const bool done = only_reads ? sim.continued() : sim.observed();
-    if (!begun_) last_ = number(sim) - (on_time(sim, only_reads ? 1.0 : 0.5) && !done ? 1 : 0);
-    begun_ = true;
-  }
-
- private:
-  template <class Sim>
-  std::int64_t number(const Sim& sim) const {
-    return static_cast<std::int64_t>(
-        std::floor((sim.time() + 0.5 * sim.step_length()) / interval_ * (1 + 1e-12)));
-  }
-  /// Whether the last instant is at most `steps` steps ago, or half a step ahead.
-  template <class Sim>
-  bool on_time(const Sim& sim, double steps) const {
-    const double since = sim.time() - static_cast<double>(number(sim)) * interval_;
-    return since <= steps * (1 + 1e-9) * sim.step_length();
-  }
-
-  double interval_;  // [s]
-  std::int64_t last_ = -1;
-  bool begun_ = false;
-};
-
-inline Schedule every(double interval) { return Schedule(interval); }
-
-/// What an action does with the simulation: anything; or it only reads it, or saves it.
-enum class ActionKind { Any, Reads, Saves };
-
-/// Calls `action(simulation)` at the times of its schedule:
-///   sim.run(1.0, silt::at(every(0.1), [&](const auto& s) { ... }));
-template <class Action, ActionKind Kind = ActionKind::Any>
-class TimedAction {
- public:
-  static constexpr bool only_reads = Kind != ActionKind::Any, saves = Kind == ActionKind::Saves;
-
-  TimedAction(Schedule schedule, Action action) : schedule_(schedule), action_(std::move(action)) {}
-  template <class Sim>
-  void begin(const Sim& sim, double) {
-    schedule_.begin(sim, only_reads);
-  }
-  template <class Sim>
-  bool is_due(const Sim& sim) const {
-    return schedule_.is_due(sim);
-  }
-  template <class Sim>
-  void operator()(Sim& sim) {
-    action_(sim);
-    schedule_.mark(sim);
-  }
-
- private:
-  Schedule schedule_;
-  Action action_;
-};
-
-template <ActionKind Kind = ActionKind::Any, class Action>
-TimedAction<Action, Kind> at(Schedule schedule, Action action) {
-  return {schedule, std::move(action)};
-}
-
-/// Saves a checkpoint to `path` at the times of the schedule, after all other observers; the last
-/// one is always whole. Makes the folder that it stands in.
+/// Saves a checkpoint to `path` at the times of the schedule, after all other observers. The file
+/// is always complete: it is replaced at once. Creates its folder.
 inline auto checkpoints(std::string path, Schedule schedule) {
   return at<ActionKind::Saves>(schedule, [path = std::move(path)](const auto& sim) {
     detail::on_all_ranks(sim, "the folder of checkpoints", [&] { make_folder_of(path); });
@@ -111,8 +31,8 @@ inline auto checkpoints(std::string path, Schedule schedule) {
 }
 
 namespace detail {
-/// A new table, but for a run that goes on from a checkpoint: that keeps the rows of times before
-/// `first`, that of the next row.
+/// Opens a new table. A run continued from a checkpoint keeps the rows of times before `first`, the
+/// time of the next row.
 template <class Sim>
 std::shared_ptr<CsvTable> open_table(const std::string& path,
                                      const std::vector<std::string>& columns, const Sim& sim,
@@ -123,11 +43,11 @@ std::shared_ptr<CsvTable> open_table(const std::string& path,
 }
 }  // namespace detail
 
-/// Appends a row of numbers to a CSV table: `row(simulation)` returns them, as an array or a
-/// vector, or one number alone; the time (or the time since some event) first. A new table, but for
-/// a run that goes on from a checkpoint: that keeps the rows of earlier times. On many ranks each
-/// calls row(simulation), which must give equal numbers on all, as the sums of a Simulation are;
-/// rank 0 writes.
+/// Appends a row of numbers to a CSV table: first the time (or the time since some event), then the
+/// numbers that `row(simulation)` returns as an array, a vector or a single number. The table is
+/// new, except in a run continued from a checkpoint, which keeps the earlier rows. On many ranks
+/// each rank calls row(simulation), which must return equal numbers on all, as the sums of a
+/// Simulation are; rank 0 writes.
 template <class Row>
 auto table(const std::string& path, const std::vector<std::string>& columns, Schedule schedule,
            Row row) {
@@ -142,228 +62,12 @@ auto table(const std::string& path, const std::vector<std::string>& columns, Sch
                                });
 }
 
-namespace detail {
-
-inline std::array<float, 3> in_floats(const Vec3d& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-/// The fields of modules, which must outlast the file that they are written to.
-struct ModuleFields {
-  std::vector<std::vector<std::array<double, 3>>> vectors;
-  std::vector<std::vector<double>> numbers;
-
-  /// collect(value) gives value(place) of all that is written.
-  template <class Sim, class Collect>
-  void add_to(VtkFields& fields, const Sim& sim, const Collect& collect) {
-    sim.for_each_field([&]<std::size_t Components>(const std::string& name, const auto& value) {
-      if constexpr (Components == 3)
-        fields.add(name, vectors.emplace_back(collect(value)));
-      else
-        fields.add(name, numbers.emplace_back(collect(value)));
-    });
-  }
-};
-
-}  // namespace detail
-
-/// Writes the particles to `file`: radius, velocity, id, material, and angular velocity if they
-/// rotate; of bodies orientation (w, x, y, z) and form, and the radius is that of the bounding
-/// sphere. `more(sim, fields, places)` may add fields: one value for each of the places.
-/// On several ranks each writes its own as `file` with "_r0", "_r1" ... before its ending, and rank
-/// 0 the index that ParaView opens: out/bed.pvtp for out/bed.vtp (collective).
-template <class Sim, class More>
-void write_particles(const std::string& file, const Sim& sim, const More& more) {
-  std::vector<std::size_t> places;
-  for (std::size_t k = 0; k < sim.rows(); ++k)
-    if (sim.is_present(k)) places.push_back(k);
-  const auto collect = [&](auto value) {
-    std::vector<decltype(value(std::size_t{}))> all;
-    all.reserve(places.size());
-    for (const auto k : places) all.push_back(value(k));
-    return all;
-  };
-  const auto position = collect([&](std::size_t k) { return sim.position(k); });
-  const auto radius = collect([&](std::size_t k) { return static_cast<float>(sim.radius(k)); });
-  const auto velocity = collect([&](std::size_t k) { return detail::in_floats(sim.velocity(k)); });
-  const auto id = collect([&](std::size_t k) { return sim.id(k); });
-  const auto material =
-      collect([&](std::size_t k) { return static_cast<std::uint32_t>(sim.material(k)); });
-  VtkFields fields;
-  fields.add("radius", radius).add("velocity", velocity).add("id", id).add("material", material);
-  std::vector<std::array<float, 3>> spin;
-  if constexpr (Sim::rotates) {
-    spin = collect([&](std::size_t k) { return detail::in_floats(sim.angular_velocity(k)); });
-    fields.add("angular_velocity", spin);
-  }
-  std::vector<std::array<float, 4>> orientation;
-  std::vector<std::uint32_t> form;
-  if constexpr (Sim::of_bodies) {
-    orientation = collect([&](std::size_t k) {
-      const Quaternion q = sim.orientation(k);
-      return std::array<float, 4>{static_cast<float>(q.w), static_cast<float>(q.x),
-                                  static_cast<float>(q.y), static_cast<float>(q.z)};
-    });
-    form = collect([&](std::size_t k) { return static_cast<std::uint32_t>(sim.form(k)); });
-    fields.add("orientation", orientation).add("form", form);
-  }
-  detail::ModuleFields of_modules;
-  of_modules.add_to(fields, sim, collect);
-  detail::on_all_ranks(sim, "fields of particles", [&] { more(sim, fields, places); });
-  detail::write_in_pieces(sim, file, fields, {},
-                          [&](const auto& path) { write_vtp_points(path, position, fields); });
-}
-/// Writes the spheres that bodies consist of: radius, and the id of the body.
-template <class Sim>
-void write_parts(const std::string& file, const Sim& sim) requires(Sim::of_bodies) {
-  std::vector<Vec3d> position;
-  std::vector<float> radius;
-  std::vector<ParticleId> id;
-  const auto& e = sim.engine();
-  for (std::size_t row = 0; row < e.particles.owned(); ++row) {
-    if (e.particles.is_parked(row)) continue;
-    position.push_back(e.particles.position[row].centre());
-    radius.push_back(static_cast<float>(e.particles.position[row].r));
-    id.push_back(e.id_of(row));
-  }
-  VtkFields fields;
-  fields.add("radius", radius).add("id", id);
-  detail::write_in_pieces(sim, file, fields, {},
-                          [&](const auto& path) { write_vtp_points(path, position, fields); });
-}
-/// Writes the surfaces of bodies whose shape is no set of spheres: id, form, velocity, material and
-/// the fields of modules of the body at every point; in a Mix also which of its shapes it is.
-template <class Sim>
-void write_surfaces(const std::string& file, const Sim& sim) requires(Sim::has_surfaces) {
-  std::vector<SurfaceMesh> of_forms;
-  for (const auto& form : sim.forms()) of_forms.push_back(surface_of(form.shape));
-  SurfaceMesh all;
-  std::vector<std::size_t> body;  // of each point
-  for (std::size_t k = 0; k < sim.rows(); ++k) {
-    if (!sim.is_present(k)) continue;
-    const SurfaceMesh& mesh = of_forms[sim.form(k)];
-    const auto first = static_cast<std::uint32_t>(all.points.size());
-    const Quaternion turn = sim.orientation(k);
-    const Vec3d centroid = sim.forms()[sim.form(k)].mass.centroid;
-    for (const Vec3d& p : mesh.points)
-      all.points.push_back(sim.position(k) + rotate(turn, sim.scale(k) * (p - centroid)));
-    for (const auto& t : mesh.triangles)
-      all.triangles.push_back({first + t[0], first + t[1], first + t[2]});
-    body.insert(body.end(), mesh.points.size(), k);
-  }
-  const auto collect = [&](auto value) {
-    std::vector<decltype(value(std::size_t{}))> values;
-    values.reserve(body.size());
-    for (const std::size_t k : body) values.push_back(value(k));
-    return values;
-  };
-  const auto number = [](auto n) { return static_cast<std::uint32_t>(n); };
-  const auto id = collect([&](std::size_t k) { return sim.id(k); });
-  const auto form = collect([&](std::size_t k) { return number(sim.form(k)); });
-  const auto velocity = collect([&](std::size_t k) { return detail::in_floats(sim.velocity(k)); });
-  const auto material = collect([&](std::size_t k) { return number(sim.material(k)); });
-  VtkFields fields;
-  fields.add("id", id).add("form", form).add("velocity", velocity).add("material", material);
-  detail::ModuleFields of_modules;
-  of_modules.add_to(fields, sim, collect);
-  std::vector<std::uint32_t> shape;
-  if constexpr (requires { sim.forms().front().shape.kind(); }) {
-    for (const std::uint32_t f : form)
-      shape.push_back(static_cast<std::uint32_t>(sim.forms()[f].shape.kind()));
-    fields.add("shape", shape);
-  }
-  detail::write_in_pieces(sim, file, fields, {}, [&](const auto& path) {
-    write_vtp_triangles(path, all.points, all.triangles, fields);
-  });
-}
-template <class Sim>
-void write_particles(const std::string& file, const Sim& sim) {
-  write_particles(file, sim, [](const auto&, auto&, const auto&) {});
-}
-
-namespace detail {
-
-/// What the particles of a simulation, of all ranks, occupy [m] (collective).
-template <class Sim>
-Box occupied(const Sim& sim) {
-  Box around;
-  double largest = 0;  // [m]
-  for (std::size_t k = 0; k < sim.rows(); ++k)
-    if (sim.is_present(k)) {
-      around.include(sim.position(k));
-      largest = std::max(largest, sim.radius(k));
-    }
-  if constexpr (Sim::has_ranks) {
-    sim.engine().ranks.meet("the region of particles");
-    around = sim.engine().ranks.union_of(around);
-    largest = sim.engine().ranks.max_of(largest);
-  }
-  return around.grown(largest);
-}
-
-}  // namespace detail
-
-/// Triangles that show a wall where it is now; planes only within `around`.
-struct WallTriangles {
-  std::vector<Vec3d> points;  // [m]
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<std::uint32_t> wall;  // number of the wall, by point
-
-  bool operator==(const WallTriangles&) const = default;
-};
-/// The walls of a simulation as triangles; those without an end are cut to the box [m].
-template <class Sim>
-WallTriangles wall_triangles(const Sim& sim, const Box& around) {
-  WallTriangles out;
-  for (std::size_t w = 0; w < sim.walls(); ++w)
-    for (const auto& surface : sim.wall(w).surfaces)
-      detail::visit_surface(surface, [&](const auto& s) {
-        const auto first = static_cast<std::uint32_t>(out.points.size());
-        const Pose& pose = sim.wall(w).pose;
-        Box seen;  // `around` in the wall's coordinates
-        for (int c = 0; c < 8; ++c)
-          seen.include(pose.to_body({c & 1 ? around.max.x : around.min.x,
-                                     c & 2 ? around.max.y : around.min.y,
-                                     c & 4 ? around.max.z : around.min.z}));
-        const auto [points, triangles] = detail::outline(s, seen);
-        for (const auto& p : points)
-          out.points.push_back(pose.to_space(p)), out.wall.push_back(static_cast<std::uint32_t>(w));
-        for (const auto& t : triangles)
-          out.triangles.push_back({first + t[0], first + t[1], first + t[2]});
-      });
-  return out;
-}
-
-inline void write_walls(const std::string& file, const WallTriangles& walls) {
-  VtkFields fields;
-  fields.add("wall", walls.wall);
-  write_vtp_triangles(file, walls.points, walls.triangles, fields);
-}
-/// Writes triangles that show the walls where they are, with their numbers as the field `wall`;
-/// planes only within `around`, which is what the particles occupy unless it is given. InputError
-/// where there is nothing to write.
-template <class Sim>
-void write_walls(const std::string& file, const Sim& sim, const Box& around) {
-  require(sim.walls() > 0, "write_walls: the simulation has no walls; add one, or leave this out");
-  detail::on_all_ranks(sim, "a file of walls", [&] {
-    if (sim.rank() == 0) write_walls(file, wall_triangles(sim, around));
-  });
-}
-template <class Sim>
-void write_walls(const std::string& file, const Sim& sim) {
-  require(sim.size() > 0,
-          "write_walls: no particles that tell how far to draw planes; give a box as "
-          "the third argument");
-  write_walls(file, sim, detail::occupied(sim));
-}
-
-/// Writes `folder/particles.pvd` and `folder/walls.pvd`, each a time series that ParaView opens; of
-/// bodies also `folder/parts.pvd`, the spheres that they consist of, or `folder/surfaces.pvd`; with
-/// a fluid `folder/flow.pvd`.
-/// Walls that look as in the frame before are not written again: both frames show one file.
-/// On several ranks a frame of particles is one file a rank and their index, as write_particles()
-/// writes them, and the series lists the index: ParaView opens the same `.pvd`. Rank 0 writes the
-/// rest.
-/// `more` adds fields as in write_particles.
+/// Writes the time series `folder/particles.pvd` and `folder/walls.pvd` for ParaView. For bodies
+/// also `folder/parts.pvd`, the spheres of multi-spheres, or `folder/surfaces.pvd`; with a fluid
+/// `folder/flow.pvd`. Walls that did not change since the previous frame are not written again;
+/// both frames refer to one file. On several ranks a frame of particles is one file per rank and an
+/// index, as in write_particles(); the series lists the indices, and ParaView opens the same
+/// `.pvd`. Rank 0 writes the rest. `more` adds fields as in write_particles.
 template <class More>
 class VtkSeriesObserver {
  public:
@@ -375,7 +79,7 @@ class VtkSeriesObserver {
   template <class Sim>
   void begin(const Sim& sim, double) {
     schedule_.begin(sim, only_reads);
-    if (std::exchange(begun_, true) || sim.rank() != 0) return;  // it goes on in another run
+    if (std::exchange(begun_, true) || sim.rank() != 0) return;  // continues in another run
     const double keep = sim.time() + 0.5 * sim.step_length();
     const auto open = [&](const char* name) {
       return sim.continued() ? VtkSeries::resume(folder_, name, keep) : VtkSeries(folder_, name);

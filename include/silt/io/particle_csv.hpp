@@ -10,10 +10,10 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Writes the particles that are there as a CSV file, a line each in the order of their ids: id, x,
-/// y, z [m], velocity [m/s], radius [m], material, angular velocity [rad/s] if they rotate, and the
-/// fields of modules. A file that is there is replaced as a whole. On many ranks rank 0 writes
-/// those of all, whose lines it must have room for (collective).
+/// Writes the particles as a CSV file, one line each in the order of their ids: id, x, y, z [m],
+/// velocity [m/s], radius [m], material, angular velocity [rad/s] if they rotate, and the fields of
+/// modules. An existing file is replaced as a whole. On many ranks rank 0 writes the particles of
+/// all and needs the memory for their lines (collective).
 template <class Sim>
 void write_particle_csv(const std::string& file, const Sim& sim) {
   std::vector<std::string> columns{"id", "x", "y", "z"};

@@ -20,7 +20,7 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// Gives on each warning of a simulation once, also where an observer sees several runs of it.
+/// Passes on each warning of a simulation once, also if an observer is used in several runs.
 class ToldWarnings {
  public:
   template <class Tell>
@@ -41,13 +41,14 @@ class ToldWarnings {
 /// Options of progress().
 struct ProgressOptions {
   std::FILE* out = stderr;
-  bool warnings = true;  // scene_warnings at the start; of inlets and servos at the end
+  bool warnings = true;  // scene_warnings at the start; at the end of inlets and servos
 };
 
-/// Shows on stderr how far the run is: on a terminal once a second, rewriting one line; else (a log
-/// file) a line every ten seconds. Of a fluid, how well its books with the particles close, at the
-/// end. Before that, and at the end, what is odd about the scene (io/scene_warnings.hpp), a line
-/// each that begins with "warning: ". On many ranks rank 0 prints, for all.
+/// Prints the progress of the run on stderr: on a terminal one line that is updated once a second;
+/// otherwise (a log file) a line every ten seconds. With a fluid, prints at the end how well the
+/// balances between fluid and particles close. At the start and the end it prints the warnings of
+/// io/scene_warnings.hpp, one line each that begins with "warning: ". On many ranks rank 0 prints
+/// for all.
 class Progress {
  public:
   explicit Progress(const ProgressOptions& options)
@@ -63,7 +64,7 @@ class Progress {
     first_rank_ = sim.rank() == 0;
     if (options_.warnings) warn(scene_warnings(sim));
   }
-  /// On many ranks, where nobody is due by a clock: rank 0 prints between the steps.
+  /// On many ranks no observer may depend on a clock: rank 0 prints between the steps.
   template <class Sim>
   void watch(const Sim& sim) {
     if (first_rank_ && is_time(sim)) show(sim, false);
@@ -86,7 +87,7 @@ class Progress {
 
  private:
   using Clock = std::chrono::steady_clock;
-  /// The clock is only looked at now and then: at most every 16 steps.
+  /// The clock is read at intervals of at most 16 steps.
   template <class Sim>
   bool is_time(const Sim& sim) const {
     return sim.step() % 16 == 0 && seconds_since(shown_) >= (terminal_ ? 1 : 10);
@@ -125,7 +126,7 @@ class Progress {
     shown_ = Clock::now();
   }
 
-  /// The fluid is particles too (Sph).
+  /// The fluid consists of particles (Sph).
   template <class Sim>
   static constexpr bool of_liquid = requires(const Sim& sim) {
     sim.fluid().wall_particles();
@@ -140,15 +141,15 @@ class Progress {
   std::uint64_t steps_ = 0;
   bool first_rank_ = true;
   detail::ToldWarnings told_;
-  mutable BrokenLoads broken_;  // simulations tell their events to const observers
+  mutable BrokenLoads broken_;  // simulations pass events to const observers
 };
 
 /// progress(stdout), or progress({.warnings = false}).
 inline Progress progress(const ProgressOptions& options) { return Progress(options); }
 inline Progress progress(std::FILE* out = stderr) { return Progress(out); }
 
-/// Hands the same warnings to `callback(sentence)` and prints nothing; on many ranks on rank 0. It
-/// may throw: the run then ends there, before its first step.
+/// Passes the same warnings to `callback(sentence)` and prints nothing; on many ranks on rank 0.
+/// The callback may throw: the run then ends before its first step.
 ///   sim.run(1.0, silt::on_warnings([&](const std::string& w) { log << w << '\n'; }),
 ///           silt::progress({.warnings = false}));
 template <class Callback>

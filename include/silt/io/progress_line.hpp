@@ -12,7 +12,7 @@
 namespace silt::inline SILT_TARGET {
 namespace detail {
 
-/// `value` with a fixed number of digits behind the point.
+/// `value` with a fixed number of decimals.
 [[gnu::cold]] inline std::string fixed(double value, int decimals) {
   char buffer[352];  // the largest double has 309 digits
   std::snprintf(buffer, sizeof buffer, "%.*f", decimals, value);
@@ -28,7 +28,7 @@ namespace detail {
   return text(fixed(value, decimals), ' ', prefixes[k]);
 }
 
-/// A time to wait for, in its two largest units: "45 s", "2 min 05 s", "3 h 07 min", "4 d 02 h".
+/// A waiting time in its two largest units: "45 s", "2 min 05 s", "3 h 07 min", "4 d 02 h".
 [[gnu::cold]] inline std::string duration(double seconds) {
   const struct {
     double seconds;
@@ -48,21 +48,21 @@ namespace detail {
 
 }  // namespace detail
 
-/// One line that says how far a run is, how fast, and how long it still takes:
+/// One line with the state of a run, its speed and its remaining time:
 ///
 ///   t = 0.350 of 1.200 s (29 %)  100000 particles  23.4 M particle-steps/s  largest overlap 0.41 %
 ///   of radius  2 min 05 s left                                                     (all one line)
 ///
-/// `particle_steps` and `wall_seconds` [s] count from `start_time` [s], which is that of the
-/// restart in a continued run; `largest_overlap_ratio` [-] is overlap over radius; `liquid`: how
-/// many particles an Sph has beside them, "100 particles, 5000 of liquid".
+/// `particle_steps` and `wall_seconds` [s] count from `start_time` [s], which is the time of the
+/// restart in a continued run. `largest_overlap_ratio` [-] is overlap over radius. `liquid`: number
+/// of SPH particles, printed as "100 particles, 5000 of liquid".
 [[gnu::cold]] inline std::string progress_line(double time, double end_time,
                                                std::uint64_t particle_steps, double wall_seconds,
                                                std::size_t particles, double largest_overlap_ratio,
                                                double start_time = 0, std::size_t liquid = 0) {
   const bool done = time >= end_time;
   const double done_part = done ? 1 : std::max(0.0, time / end_time);
-  // As many decimals as show a thousandth of the whole run.
+  // Enough decimals to show a thousandth of the whole run.
   const int decimals =
       end_time > 0 ? static_cast<int>(std::clamp(3 - std::floor(std::log10(end_time)), 0.0, 15.0))
                    : 3;
@@ -81,13 +81,12 @@ namespace detail {
   return line + detail::duration(left) + " left";
 }
 
-/// One line that says how well the books of a fluid and its particles close (FluidClosure):
+/// One line on how well the balances of a fluid and its particles close (FluidClosure):
 ///
-///   fluid, at most of any step: volume of solids off by 2.2e-16, momentum by 3.1e-16 of what is
-///   exchanged, continuity by 1.4e-9 of a cell, no room for 0 of the solids            (all one
-///   line)
+///   fluid, largest error of any step: solid volume 2.2e-16, momentum 3.1e-16 of the exchange,
+///   continuity 1.4e-9 of a cell; clipped 0 of the solid volume                   (all one line)
 ///
-/// Of a liquid of particles (`cells` false) without continuity, which they have by themselves.
+/// For SPH (`cells` false) without continuity, which particles fulfil by themselves.
 template <class Closure>
 [[gnu::cold]] std::string closure_line(const Closure& most, bool cells = true) {
   const auto number = [](double value) {
@@ -95,10 +94,10 @@ template <class Closure>
     std::snprintf(buffer, sizeof buffer, "%.2g", value);
     return std::string(buffer);
   };
-  return text("fluid, at most of any step: volume of solids off by ", number(most.volume),
-              ", momentum by ", number(most.momentum), " of what is exchanged",
-              cells ? text(", continuity by ", number(most.continuity), " of a cell") : "",
-              ", no room for ", number(most.clipped), " of the solids");
+  return text("fluid, largest error of any step: solid volume ", number(most.volume), ", momentum ",
+              number(most.momentum), " of the exchange",
+              cells ? text(", continuity ", number(most.continuity), " of a cell") : "",
+              "; clipped ", number(most.clipped), " of the solid volume");
 }
 
 }  // namespace silt

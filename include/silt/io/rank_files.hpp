@@ -12,12 +12,12 @@
 #include <silt/files/vtk.hpp>
 #include <silt/simulation.hpp>
 
-/// Files of a run on many ranks: pieces with an index, or lines that rank 0 gathers. All functions
-/// are collective, and without Ranks do what one process does.
+/// Files of a run on many ranks: pieces with an index, or lines that rank 0 collects. All functions
+/// are collective; without Ranks they do the work of one process.
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// `path` with `words` put before its ending: "out/particles_12.vtp", "_r3".
+/// `path` with `words` inserted before its ending: "out/particles_12.vtp", "_r3".
 inline std::string before_ending(const std::string& path, const std::string& words) {
   const auto dot = path.rfind('.'), slash = path.rfind('/');
   const bool has_ending = dot != path.npos && (slash == path.npos || dot > slash);
@@ -28,7 +28,7 @@ inline std::string without_folder(const std::string& path) {
   const auto slash = path.rfind('/');
   return slash == path.npos ? path : path.substr(slash + 1);
 }
-/// What a series lists for a file of all ranks: on one rank the file, on several its index.
+/// Name that a series lists for a file of all ranks: on one rank the file, on several its index.
 template <class Sim>
 std::string listed_file(const Sim& sim, const std::string& path) {
   if (sim.ranks() == 1) return path;
@@ -36,8 +36,8 @@ std::string listed_file(const Sim& sim, const std::string& path) {
   return path.substr(0, dot) + ".p" + path.substr(dot + 1);
 }
 
-/// Writes `path` by write(path); on several ranks each its piece, and then rank 0 the index, which
-/// is there only if all pieces are. `layout` says what the arrays of the pieces are.
+/// Writes `path` by write(path). On several ranks each writes its piece, then rank 0 the index,
+/// which exists only if all pieces do. `layout` describes the arrays of the pieces.
 template <class Sim, class Write>
 void write_in_pieces(const Sim& sim, const std::string& path, const VtkFields& fields,
                      const VtkPieces& layout, const Write& write) {
@@ -53,7 +53,7 @@ void write_in_pieces(const Sim& sim, const std::string& path, const VtkFields& f
   });
 }
 
-/// What each rank says, joined, on all ranks.
+/// Text of all ranks, joined, on all ranks.
 template <class Sim>
 std::string words_of_ranks(const Sim& sim, const std::string& own, const char* between) {
   const auto& ranks = sim.engine().ranks;
@@ -66,13 +66,13 @@ std::string words_of_ranks(const Sim& sim, const std::string& own, const char* b
   return words;
 }
 
-/// A line of a table, and what it is sorted by.
+/// A line of a table, and its sort key.
 struct SortedLine {
   std::uint64_t by, then;
   std::string words;
   auto key() const { return std::pair(by, then); }
 };
-/// The lines of all ranks in order, on rank 0; nothing on others.
+/// Lines of all ranks in order, on rank 0; empty on others.
 template <class Sim>
 std::vector<SortedLine> gather_lines(const Sim& sim, std::vector<SortedLine> lines) {
   if constexpr (Sim::has_ranks) {

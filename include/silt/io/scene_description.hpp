@@ -20,31 +20,31 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Differences between a checkpoint and the scene it is loaded into that are made on purpose:
+/// Intentional differences between a checkpoint and the scene into which it is loaded:
 ///
 ///   silt::load_checkpoint(sim, "settled.silt", {.materials = true});   // with another friction
 ///
-/// The state is taken over as it is: springs of contacts keep their displacement, so that forces
-/// jump where stiffness does; the ledger counts what that gives or takes as its residual. The time
-/// step is held against its limit anew, and chosen anew where it is longer than silt's own is.
+/// The state is not converted. Springs of contacts keep their displacement, hence forces jump where
+/// the stiffness changes; the ledger counts the energy of this jump in its residual. The time step
+/// is checked against its limit again, and chosen again if it is longer than silt's own.
 struct AcceptedChanges {
-  bool materials = false;  // their number and values, pair values, rolling resistance; Breakage
+  bool materials = false;  // number and values, pair values, rolling resistance; Breakage
   bool motions = false;    // of walls
-  bool inlets = false;     // all of them: they begin anew, as if added at the checkpoint's time
+  bool inlets = false;     // all of them: they start as if added at the checkpoint's time
   bool outlets = false;    // all of them: they count from 0
-  bool walls = false;      // further ones, after those of the file: as if added by add_wall then
+  bool walls = false;      // new ones, after those of the file: as if added then by add_wall
 };
 
 namespace detail {
 
-/// What a scene is made of, item by item, as text in a checkpoint; two can be compared.
+/// Description of a scene, item by item, as text in a checkpoint. Two descriptions can be compared.
 ///
 ///   form 0: semi-axis c [m] = 0.002
 ///
-/// Numbers may differ by rounding: they may come from programs for different instruction sets.
+/// Numbers may differ by rounding, as between programs for different instruction sets.
 class SceneDescription {
  public:
-  /// Which change, if accepted, lets an item differ.
+  /// The accepted change that allows an item to differ.
   enum class Aspect : char {
     Scene = 's',
     Material = 'm',
@@ -54,18 +54,18 @@ class SceneDescription {
     NewWall = 'n'
   };
 
-  /// A number that may differ by a part of 1e-9, far above rounding and below any change made on
-  /// purpose; or by `slack`, where it is a difference of larger ones.
+  /// A number that may differ by a relative 1e-9, far above rounding and below any intentional
+  /// change; or by `slack` if it is a difference of larger numbers.
   void add(Aspect aspect, const std::string& name, double value, double slack = 0) {
     items_.push_back({aspect, name, text(value), value, std::max(slack, 1e-9 * std::abs(value))});
   }
-  /// The number of what may have a name; sentences say the name too, the file does not.
+  /// A number of a thing that may have a name. Messages include the name, the file does not.
   void add_numbered(Aspect aspect, const std::string& name, std::size_t k,
                     std::string_view called) {
     add(aspect, name, static_cast<double>(k));
     items_.back().called = after_number(called);
   }
-  /// A number whose name alone says little: sentences say `meaning` too, the file does not.
+  /// A number whose name is not self-explanatory. Messages include `meaning`, the file does not.
   void add_explained(Aspect aspect, const std::string& name, double value,
                      const std::string& meaning) {
     add(aspect, name, value);
@@ -83,8 +83,8 @@ class SceneDescription {
   void add(Aspect aspect, const std::string& name, const std::string& words) {
     add(aspect, name, words.c_str());
   }
-  /// Many points by one number: their sum, each coordinate with a weight of its own, so that hardly
-  /// any change leaves it as it is. Rounding of n coordinates is below 1e-12 of the absolute sum.
+  /// Many points as one number: a weighted sum with a different weight for each coordinate, which
+  /// nearly every change alters. Rounding of n coordinates is below 1e-12 of the absolute sum.
   void add(Aspect aspect, const std::string& name, std::span<const Vec3d> points) {
     double sum = 0, size = 0;
     std::uint64_t state = 1;
@@ -97,7 +97,7 @@ class SceneDescription {
     items_.push_back({aspect, text(many_points, name, " [m]"), text(sum), sum, 1e-12 * size});
   }
 
-  /// One line an item.
+  /// One line per item.
   std::string written() const {
     std::string out;
     for (const Item& item : items_)
@@ -105,16 +105,16 @@ class SceneDescription {
     return out;
   }
 
-  /// What differs from what a file says and what to do about it, as a phrase: the first three
-  /// items, and how many more. Empty if nothing does. `written` comes from a file, and may be
-  /// anything.
+  /// Differences from the description in a file, and what to do, as a phrase: the first three
+  /// items, and the number of further ones. Empty if there are none. `written` comes from a file
+  /// and may be anything.
   std::string difference(std::string_view written, const AcceptedChanges& accepted) const {
     std::map<std::string_view, std::string_view> in_file;
     while (!written.empty()) {
       const auto line = written.substr(0, written.find('\n'));
       written.remove_prefix(std::min(line.size() + 1, written.size()));
       const auto equals = line.find(" = ");
-      if (equals == line.npos || equals < 2) return text(in_quotes(line), " says nothing");
+      if (equals == line.npos || equals < 2) return text(in_quotes(line), " has no value");
       if (!is_accepted(static_cast<Aspect>(line[0]), accepted))
         in_file[line.substr(2, equals - 2)] = line.substr(equals + 3);
     }
@@ -122,7 +122,7 @@ class SceneDescription {
     std::size_t count = 0;
     AcceptedChanges would_do;
     bool no_change_would_do = false;
-    // Where there is one more of something, its number says so, and the items of that one do not.
+    // If there is one more of something, its count is reported, not its items.
     for (const Item& item : items_) {
       if (is_accepted(item.aspect, accepted)) {
         in_file.erase(item.name);
@@ -141,7 +141,7 @@ class SceneDescription {
       would_do.walls |= item.aspect == Aspect::NewWall;
       if (found == in_file.end()) {
         if (one_sided.empty())
-          one_sided = text(item.name, " is ", shown(item), " in the scene alone");
+          one_sided = text(item.name, " is ", shown(item), " only in the scene");
         continue;
       }
       if (count++ < 3) phrase += (count > 1 ? "; " : "") + difference(item, found->second);
@@ -149,7 +149,7 @@ class SceneDescription {
     }
     if (one_sided.empty() && !in_file.empty())
       one_sided = text(in_quotes(in_file.begin()->first), " is ", shown(in_file.begin()->second),
-                       " in the file alone");
+                       " only in the file");
     if (count > 3) phrase += text("; and ", count - 3, " more");
     if (count == 0) phrase = one_sided;
     if (phrase.empty()) return phrase;
@@ -172,8 +172,8 @@ class SceneDescription {
     Aspect aspect;
     std::string name, value;
     double number, slack;   // slack < 0: words
-    std::string called{};   // behind the value in sentences
-    std::string meaning{};  // behind the name in sentences
+    std::string called{};   // after the value in messages
+    std::string meaning{};  // after the name in messages
   };
 
   static bool is_accepted(Aspect aspect, const AcceptedChanges& accepted) {
@@ -192,14 +192,14 @@ class SceneDescription {
            std::abs(value - item.number) <= item.slack;
   }
   static std::string difference(const Item& item, std::string_view in_file) {
-    if (item.name.starts_with(many_points))  // a sum that says nothing to a reader
+    if (item.name.starts_with(many_points))  // a sum without meaning for a reader
       return text("the ", item.name.substr(many_points.size()),
                   " are others in the file than in the scene");
     return text(item.name, item.meaning, " is ", shown(in_file), " in the file and ", shown(item),
                 " in the scene");
   }
   static std::string shown(const Item& item) { return shown(item.value) + item.called; }
-  /// Words are in quotes already.
+  /// Words are already in quotes.
   static std::string shown(std::string_view value) {
     const std::string safe = in_quotes(value);
     return safe.size() == value.size() + 2 ? std::string(value) : safe;

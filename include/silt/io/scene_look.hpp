@@ -10,23 +10,23 @@
 #include <silt/core/box.hpp>
 #include <silt/simulation.hpp>
 
-/// What scene_warnings (io/scene_warnings.hpp) asks about a scene: how large it is, what its
-/// particles are like, and whether its walls can hold them. Tests: tests/io/scene_warnings.cpp
+/// Data for scene_warnings (io/scene_warnings.hpp): size of the scene, properties of its particles,
+/// and whether its walls can hold them. Tests: tests/io/scene_warnings.cpp
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The extent of a scene and the extremes of its particles and inlets.
+/// Extent of a scene and extremes of its particles and inlets.
 struct SceneLook {
   static constexpr double far = std::numeric_limits<double>::infinity();
-  std::size_t particles = 0;   // there now
-  std::size_t wall_parts = 0;  // surfaces of all walls
-  Box centres;                 // [m] of particles, and the regions of inlets
-  Box all;                     // [m] of particles, inlets and the walls that are finite
-  double smallest_radius = far, largest_radius = 0;  // [m] of bodies those of bounding spheres
-  double list_diameter = far;  // [m] which the reaches of neighbour lists follow from, or less
-  double largest_density = 0;  // [kg/m3] of what can move
+  std::size_t particles = 0;                         // there now
+  std::size_t wall_parts = 0;                        // surfaces of all walls
+  Box centres;                                       // [m] of particles and regions of inlets
+  Box all;                                           // [m] of particles, inlets and finite walls
+  double smallest_radius = far, largest_radius = 0;  // [m] bodies: of bounding spheres
+  double list_diameter = far;  // [m] determines the reaches of neighbour lists, or less
+  double largest_density = 0;  // [kg/m3] of movable particles
   double fastest = 0;          // [m/s]
-  bool some_fixed = false;     // particles that nothing moves
+  bool some_fixed = false;     // particles that are fixed
   bool walls_move = false;
 
   /// Adds the particles of other ranks (collective).
@@ -88,7 +88,7 @@ SceneLook look_at(const Sim& sim) {
   return look;
 }
 
-/// How far the box reaches along the unit vector `way` [m].
+/// Extent of the box along the unit vector `way` [m].
 inline double reach_along(const Box& box, const Vec3d& way) {
   const auto part = [](double w, double low, double high) {
     return w > 0 ? w * high : w < 0 ? w * low : 0;  // sides may be infinite
@@ -105,8 +105,8 @@ inline double gap_between(const Box& a, const Box& b) {
   return norm(gap);
 }
 
-/// Whether a surface at rest has places where what is pulled along the unit vector `down` stays.
-/// `from` [m] is where the uppermost particle is along `down`: a surface above it holds none.
+/// Whether a surface at rest has points where a particle pulled along the unit vector `down` stays.
+/// `from` [m]: position of the uppermost particle along `down`; a surface above it holds none.
 inline bool may_hold(const Plane& plane, const Vec3d& down, double) {
   return dot(plane.normal, down) < -1e-6;
 }
@@ -133,7 +133,7 @@ inline bool may_hold(const TriangleMesh& mesh, const Vec3d& down, double from) {
   });
 }
 
-/// Whether some wall may hold what gravity pulls along `down`. Moving ones count as if they did.
+/// Whether some wall may hold particles pulled along `down`. Moving walls are assumed to.
 template <class Sim>
 bool walls_may_hold(const Sim& sim, const SceneLook& look, const Vec3d& down) {
   if (look.walls_move || look.is_empty()) return true;
@@ -145,7 +145,7 @@ bool walls_may_hold(const Sim& sim, const SceneLook& look, const Vec3d& down) {
   return false;
 }
 
-/// Whether all of the box lies behind a plane of the wall, which is at rest.
+/// Whether the whole box is behind a plane of the wall, which is at rest.
 inline bool is_behind(const Box& box, const Wall& wall) {
   if (wall.moves()) return false;
   return std::any_of(wall.surfaces.begin(), wall.surfaces.end(), [&](const Surface& surface) {

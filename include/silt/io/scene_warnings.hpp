@@ -19,43 +19,43 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Scenes that run but that hardly anyone means: numbers in other units, gravity with the wrong
-/// sign, walls forgotten, outlets that no particle reaches. For each a sentence that says what,
-/// where, and what to change; none of them stops a run.
+/// Warnings of scenes that run but are probably mistakes: numbers in other units, gravity with the
+/// wrong sign, missing walls, outlets that no particle reaches. Each is a sentence that says what,
+/// where, and what to change. None stops a run.
 ///
 ///   for (const auto& sentence : silt::scene_warnings(sim)) std::puts(sentence.c_str());
 ///
-/// progress() prints them at the start of a run, on_warnings(callback) hands them over
-/// (io/progress.hpp). They are computed only when asked for, in O(particles + walls).
-/// What each looks at, and what it leaves alone: docs/tutorial.md, Warnings.
+/// progress() prints them at the start of a run; on_warnings(callback) passes them on
+/// (io/progress.hpp). They are computed only on request, in O(particles + walls). What each checks
+/// and what it does not: docs/tutorial.md, Warnings.
 /// Tests: tests/io/scene_warnings.cpp (each fires; near misses and legitimate scenes do not).
 
-/// The thresholds, with their reasons.
+/// Thresholds and their reasons.
 struct WarningLimits {
-  /// Throws and impacts of fewer particles need no walls.
+  /// Simulations of the throw or impact of fewer particles need no walls.
   static constexpr std::size_t few = 10;  // [-]
-  /// Without a fluid: the particles of most solids have 1 to 10 in g/cm3 and more than 10 in kg/m3;
-  /// the lightest in use are foams such as expanded polystyrene, some 10 kg/m3 (recalled).
+  /// Without a fluid. Most solids have a density of 1 to 10 in g/cm3 and more than 10 in kg/m3. The
+  /// lightest in use are foams such as expanded polystyrene, some 10 kg/m3 (recalled).
   static constexpr double lightest_solid = 10;  // [kg/m3]
-  /// In a fluid bubbles are as light as gases: hydrogen at 0.1 bar and 20 C has 0.008 kg/m3
+  /// In a fluid, bubbles can be as light as gases: hydrogen at 0.1 bar and 20 C has 0.008 kg/m3
   /// (computed, ideal gas).
   static constexpr double lightest_bubble = 1e-3;  // [kg/m3]
-  /// Diameter: that of grains of 2 mm whose radius is given as 1. Boulders of 1 m are below.
+  /// Diameter of grains of 2 mm whose radius is given as 1. Boulders of 1 m are below.
   static constexpr double largest_grain = 2;  // [m]
-  /// The earth's gravity, also rounded to 10. In mm/s2 it is a thousand times that, to be told
-  /// from centrifuges of some hundred g.
+  /// Earth's gravity, also rounded to 10. In mm/s2 it is a thousand times larger, above that of
+  /// centrifuges of some hundred g.
   static constexpr double least_g = 9.7, most_g = 10.1;  // [m/s2]
-  /// Below it are cryogenics alone, and temperatures of everyday life in degrees Celsius.
+  /// Only cryogenics are colder, and everyday temperatures in degrees Celsius are below.
   static constexpr double coldest = 100;  // [K]
-  /// An outlet further away than so many times the size of the scene and the width of a throw.
+  /// Distance of an outlet in units of the size of the scene and the width of a throw.
   static constexpr double far_off = 100;  // [-]
-  /// An inlet for which more than this share of what was due waits.
+  /// Share of the due particles of an inlet that wait.
   static constexpr double waiting_share = 0.1;  // [-]
-  /// Strengths of one size scatter by a factor of some 2 to each side: loads below a tenth of any
-  /// are not those of a scene in which something was to break.
+  /// Strengths of one size scatter by a factor of some 2 to each side. If all loads are below a
+  /// tenth of any strength, the scene cannot be meant to break particles.
   static constexpr double far_from_breaking = 0.1;  // [-] of the strength
-  /// A grain thrown at ten times the speed that breaks it has a load of 16 strengths as a force, of
-  /// 100 as an energy: where most that break have more, strengths are in other units.
+  /// A particle hit at ten times the speed that breaks it has a load of 16 strengths as a force,
+  /// 100 as an energy. If most breakages have more, strengths are in other units.
   static constexpr double far_above_breaking = 100;  // [-] of the strength
 };
 
@@ -68,12 +68,12 @@ namespace detail {
   return digits;
 }
 
-/// Whether gravity is the earth's in m/s2, or, with `unit` 100 or 1000, in cm/s2 or mm/s2.
+/// Whether gravity is Earth's in m/s2, or with `unit` 100 or 1000 in cm/s2 or mm/s2.
 inline bool is_earths(const Vec3d& gravity, double unit) {
   const double g = norm(gravity) / unit;
   return g >= WarningLimits::least_g && g <= WarningLimits::most_g;
 }
-/// Scenes with such a gravity are not in the reduced units that simulations without scale are in.
+/// Scenes with such a gravity are not in reduced units, as simulations without a scale are.
 inline bool has_scale(const Vec3d& gravity) {
   return is_earths(gravity, 1) || is_earths(gravity, 100) || is_earths(gravity, 1000);
 }
@@ -82,7 +82,7 @@ inline std::string name_of(std::size_t outlet, const Box& region) {
   return text("outlet ", outlet, " from ", region.min, " to ", region.max, " m ");
 }
 
-/// How far a particle may go between two looks at the outlets (Outlet, ListUpkeep) [m].
+/// Largest distance [m] of a particle between two checks of the outlets (Outlet, ListUpkeep).
 template <class Sim>
 double way_between_looks(const Sim& sim, const SceneLook& look) {
   const double step = look.fastest * sim.step_length();
@@ -94,7 +94,8 @@ double way_between_looks(const Sim& sim, const SceneLook& look) {
   }
 }
 
-/// A direction in which nothing is beside the outlet, as in a scene that is flat, does not count.
+/// A direction in which the scene has no extent beside the outlet, as in a flat scene, does not
+/// count.
 template <class Sim>
 void warn_of_thin(const Sim& sim, const SceneLook& look, std::size_t outlet,
                   std::vector<std::string>& out) {
@@ -107,15 +108,15 @@ void warn_of_thin(const Sim& sim, const SceneLook& look, std::size_t outlet,
     if (max[d] - min[d] >= way || (low[d] >= min[d] && high[d] <= max[d])) continue;
     out.push_back(text(name_of(outlet, region), "is ", about(max[d] - min[d]), " m thick along ",
                        "xyz"[d], ", and a particle may move by ", about(way),
-                       " m between two looks at what is inside: some may pass through it; make it "
+                       " m between two checks of the outlet: some may pass through it; make it "
                        "thicker, best by a diameter"));
     return;
   }
 }
 
-/// The walls that an outlet is behind as "wall 1 and wall 3", if nothing can reach it. A wall that
-/// may be a lid or a mould, to be taken away later, does not count: were it gone, another one must
-/// be in the way, or there must be no other wall at all.
+/// The walls that separate an outlet from the particles as "wall 1 and wall 3", if none can reach
+/// it. A wall that may be a lid or a mould, to be removed later, does not count: without it another
+/// wall must still separate them, or there must be no other wall at all.
 template <class Sim>
 std::string walls_before(const Sim& sim, const Box& region) {
   std::string names;
@@ -147,7 +148,7 @@ bool is_far_off(const Sim& sim, const SceneLook& look, const Box& region) {
          WarningLimits::far_off * (norm(look.all.extent()) + throw_width);
 }
 
-/// Of an outlet where no particle can get to; false if it is in order.
+/// Warns of an outlet that no particle can reach; false if it is in order.
 template <class Sim>
 bool warn_of_outside(const Sim& sim, const SceneLook& look, std::size_t outlet,
                      std::vector<std::string>& out) {
@@ -156,7 +157,8 @@ bool warn_of_outside(const Sim& sim, const SceneLook& look, std::size_t outlet,
     out.push_back(name_of(outlet, region) + text(words...));
     return true;
   };
-  // What is looked for only now and then may be outside for a moment, by less than a diameter.
+  // Particles are checked only at intervals and may be outside for a moment, by less than a
+  // diameter.
   const double late = look.is_empty() ? 0 : 2 * look.largest_radius;
   if constexpr (Sim::Domain::periodic) {
     const auto& domain = sim.domain();
@@ -167,10 +169,10 @@ bool warn_of_outside(const Sim& sim, const SceneLook& look, std::size_t outlet,
       if (!domain.repeats(d)) continue;
       const double high = low[k] + domain.length(d);
       if (min[k] > high + late || max[k] < low[k] - late)
-        return say("lies outside the periodic box, which repeats along ", "xyz"[d], " from ",
+        return say("is outside the periodic box, which is periodic along ", "xyz"[d], " from ",
                    about(low[k]), " to ", about(high),
-                   " m: a particle that leaves it there comes in at the other side; move the "
-                   "outlet into the box, or let the box not repeat along ",
+                   " m: a particle that leaves there re-enters at the other side; move the "
+                   "outlet into the box, or make the box not periodic along ",
                    "xyz"[d]);
     }
   }
@@ -179,8 +181,8 @@ bool warn_of_outside(const Sim& sim, const SceneLook& look, std::size_t outlet,
                " m: a particle on its way there stops the run; enlarge guard.domain, or move the "
                "outlet into it");
   if (const auto walls = walls_before(sim, region); !walls.empty())
-    return say("lies behind ", walls,
-               ", so that no particle can reach it (a plane is infinite); move it to the side "
+    return say("is behind ", walls,
+               ", and no particle can reach it (a plane is infinite); move it to the side "
                "where particles are, or leave an opening in the wall");
   if (is_far_off(sim, look, region))
     return say("is ", about(gap_between(region, look.all)),
@@ -220,12 +222,14 @@ void warn_of_gravity(const Sim& sim, const SceneLook& look, std::vector<std::str
   }
   const bool held = walls_may_hold(sim, look, down);
   if (falls_forever && look.wall_parts > 0 && !held && !is_sticky<typename Sim::ContactsType>) {
-    out.push_back(name + text("has no wall in its way: ", look.particles,
-                              " particles will fall out of the scene; turn its sign, or close the "
-                              "scene on that side, by a wall or an outlet"));
+    out.push_back(name +
+                  text("has no wall in its way: ", look.particles,
+                       " particles will fall out of the scene; reverse its sign, or close the "
+                       "scene on that side, by a wall or an outlet"));
     return;
   }
-  // In a closed box, gravity along z that pulls particles off a floor to its lid: down is -z.
+  // In a closed box: gravity along z that pulls particles off a floor to its lid; down should be
+  // -z.
   if (!(g.x == 0 && g.y == 0 && g.z > 0) || !has_scale(g) || sim.step() > 0 || !held) return;
   for (std::size_t w = 0; w < sim.walls(); ++w)
     for (const Surface& surface : sim.wall(w).surfaces)
@@ -233,7 +237,7 @@ void warn_of_gravity(const Sim& sim, const SceneLook& look, std::vector<std::str
           plane != nullptr && plane->unit().normal.z > 0.999 && !sim.wall(w).moves()) {
         out.push_back(name + text("pulls particles up, off the floor at z = ", plane->point.z,
                                   " m (", sim.wall_name(w),
-                                  "); give it a negative z if down is meant"));
+                                  "); use a negative z if it should point down"));
         return;
       }
 }
@@ -253,13 +257,13 @@ void warn_of_units(const Sim& sim, const SceneLook& look, std::vector<std::strin
                        " m across; give radii and all lengths in m: 1 mm is 0.001 m"));
 }
 
-/// Particles and walls as cold as if degrees Celsius were given for K.
+/// Particles and walls so cold that degrees Celsius may have been given for K.
 template <class Sim>
 void warn_of_temperatures(const Sim& sim, std::vector<std::string>& out) {
   const auto is_odd = [](double T) { return T < WarningLimits::coldest; };
   const auto say = [&](const std::string& what, double T) {
     out.push_back(text(what, " has ", about(T),
-                       " K, as if it were degrees Celsius; give temperatures "
+                       " K, which may be degrees Celsius; give temperatures "
                        "in K: ",
                        about(T), " C is ", text(std::round(100 * (T + 273.15)) / 100), " K"));
   };
@@ -281,7 +285,7 @@ void warn_of_temperatures(const Sim& sim, std::vector<std::string>& out) {
   });
 }
 
-/// Particles beyond the grid of the flow, on which no fluid acts.
+/// Particles outside the grid of the flow, where no fluid force acts.
 template <class Sim>
 void warn_of_grid(const Sim& sim, std::vector<std::string>& out) {
   if constexpr (requires { sim.fluid().flow().grid().box(); }) {
@@ -305,8 +309,8 @@ void warn_of_grid(const Sim& sim, std::vector<std::string>& out) {
 
 }  // namespace detail
 
-/// What is odd about a scene, before it runs: outlets, gravity, units, temperatures, the flow's
-/// grid. Empty if nothing is. On many ranks equal on each, and collective (RankAccess).
+/// Warnings of a scene before it runs: outlets, gravity, units, temperatures, the flow's grid.
+/// Empty if there are none. On many ranks equal on each, and collective (RankAccess).
 template <class Sim>
 [[gnu::cold]] std::vector<std::string> scene_warnings(const Sim& sim) {
   std::vector<std::string> out;
@@ -322,19 +326,19 @@ template <class Sim>
 
 namespace detail {
 
-/// Where an inlet that has placed nothing lies, if that is why; empty if not.
+/// Position of an inlet that has placed nothing, if this is the reason; otherwise empty.
 template <class Sim>
 std::string why_nothing_came(const Sim& sim, const Inlet& inlet) {
   if (inlet.placed > 0) return {};
   if (const auto walls = walls_before(sim, inlet.bounds); !walls.empty())
-    return text("lies behind ", walls, " (a plane is infinite); move it to the other side");
+    return text("is behind ", walls, " (a plane is infinite); move it to the other side");
   return {};
 }
 
 }  // namespace detail
 
-/// What is odd after a run: inlets that fell short of their rate. Those that are late by no more
-/// than one insertion catch up by themselves.
+/// Warnings after a run: inlets that placed fewer particles than due. A delay of at most one
+/// insertion does not count.
 template <class Sim>
 [[gnu::cold]] std::vector<std::string> inlet_warnings(const Sim& sim) {
   std::vector<std::string> out;

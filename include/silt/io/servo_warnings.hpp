@@ -15,10 +15,10 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// A servo's way and limits, along its direction [m] or about its axis [rad].
+/// State and limits of a servo, along its direction [m] or about its axis [rad].
 struct ServoWay {
   const char* what;     // the drive
-  const char* turn;     // the field that gives the sense
+  const char* turn;     // the field that gives the sign
   const char* way;      // its unit
   double wanted, most;  // [N] or [N m], [1/s] of the way
   double most_way;      // [m] or [rad]
@@ -30,22 +30,21 @@ inline ServoWay servo_way(const WallDrive& drive) {
   return {"ServoTorque", "axis", "rad", d.torque, d.max_rate, d.max_turn};
 }
 
-/// Whether it went with its greatest speed ever since it was released, or to the end of its way,
-/// and bears nothing now. 1 %: the first step, and rounding.
+/// Whether it moved with its greatest speed since it was released, or to the end of its travel, and
+/// has no load now. 1 %: the first step, and rounding.
 inline bool never_met_its_load(const Wall& wall, double time) {
   const ServoWay servo = servo_way(wall.drive);
   const double free_way = servo.most * (time - wall.state.since);
   const double way = std::copysign(1.0, servo.wanted) * wall.state.way;
   return servo.wanted != 0 && time > wall.state.since && norm(wall.force) == 0 &&
-         norm(wall.liquid_force) == 0 &&
-         way >= 0.99 * std::min(free_way, servo.most_way);
+         norm(wall.liquid_force) == 0 && way >= 0.99 * std::min(free_way, servo.most_way);
 }
 
 }  // namespace detail
 
-/// What is odd after a run: servos that touched nothing since they were released. It knows no more
-/// than where the wall is: one that met its load and left it again at once is not told apart from
-/// one that never did. Tests: tests/io/servo_warnings.cpp.
+/// Warnings after a run: servos without contact since they were released. They use only the
+/// position of the wall: a wall that met its load and lost it at once counts as one that never did.
+/// Tests:   tests/io/servo_warnings.cpp.
 template <class Sim>
 [[gnu::cold]] std::vector<std::string> servo_warnings(const Sim& sim) {
   std::vector<std::string> out;
@@ -53,10 +52,11 @@ template <class Sim>
     const Wall& wall = sim.wall(w);
     if (!detail::is_servo(wall.drive) || !detail::never_met_its_load(wall, sim.time())) continue;
     const detail::ServoWay servo = detail::servo_way(wall.drive);
-    out.push_back(text(sim.wall_name(w), ": its ", servo.what, " has moved it by ", wall.state.way,
-                       " ", servo.way, " in ", sim.time() - wall.state.since,
-                       " s and met no load; if it moves away from the particles turn its ",
-                       servo.turn, ", else run longer or raise its greatest speed"));
+    out.push_back(
+        text(sim.wall_name(w), ": its ", servo.what, " has moved it by ", wall.state.way, " ",
+             servo.way, " in ", sim.time() - wall.state.since,
+             " s without meeting a load; if it moves away from the particles, reverse its ",
+             servo.turn, ", else run longer or raise its greatest speed"));
   }
   return out;
 }

@@ -15,8 +15,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The mean load of a wall between two reads: its impulse, which is summed over every step, over
-/// the time. The force of one step says little where particles collide.
+/// Mean load of a wall between two reads: its impulse, summed over every step, divided by the time.
+/// With collisions the force of a single step is not representative.
 ///
 ///   silt::MeanLoad lid(sim, "lid");
 ///   sim.run(0.1);
@@ -34,7 +34,7 @@ class MeanLoad {
   MeanLoad(const Sim& sim, const WhichWall& which) : wall_(sim.wall_number(which)) {
     start(sim);
   }
-  /// Since the last read, or the beginning.
+  /// Mean since the last read, or since the start.
   template <class Sim>
   Load read(const Sim& sim) {
     const Wall& wall = sim.wall(wall_);
@@ -53,7 +53,7 @@ class MeanLoad {
   void start(const Sim& sim) {
     const Wall& wall = sim.wall(wall_);
     impulse_ = wall.impulse, angular_ = wall.angular_impulse, time_ = sim.time();
-    // The very first step's load counts for a step that ends at time 0.
+    // The load of the first step belongs to a step that ends at time 0.
     if (sim.step() == 0 && impulse_ == Vec3d{0, 0, 0}) time_ -= sim.step_length();
   }
   std::size_t wall_;
@@ -63,10 +63,10 @@ class MeanLoad {
 
 namespace detail {
 
-/// How far a wall has turned [rad] in all, about each axis: the sum of its turns from one look to
-/// the next. Of a wall with a fixed axis the angle about it, whole turns included, whatever moves
-/// it. Looks may be more than half a turn apart where its rate is steady: the present one tells how
-/// many whole turns there were.
+/// Total rotation [rad] of a wall about each axis: the sum of its rotations between readings. For a
+/// wall with a fixed axis it is the angle about that axis, whole turns included, for any drive.
+/// Readings may be more than half a turn apart if the rate is steady; it gives the number of whole
+/// turns.
 class TurnedAngle {
  public:
   const Vec3d& look(const Pose& now, const Pose& step_ago, double steps_since) {
@@ -90,16 +90,16 @@ class TurnedAngle {
 
 }  // namespace detail
 
-/// Writes how a wall fares to a CSV table: time, mean force and torque since the last row (about
-/// the wall's reference), impulse and angular impulse since the start, where its origin is, of one
-/// that is driven along a line or about an axis how far it has come [m] or [rad], and the angle by
-/// which it has turned since the first row, about each axis. The power of a wall that turns is
-/// torque times angle over time, between two rows.
+/// Writes the motion and load of a wall to a CSV table: time, mean force and torque since the last
+/// row (about the wall's reference), impulse and angular impulse since the start, position of its
+/// origin, travel [m] or [rad] of a wall driven along a line or about an axis, and the angle of
+/// rotation about each axis since the first row. The power of a rotating wall is torque times angle
+/// over time, between two rows.
 ///
 ///   sim.run(1, silt::wall_series("lid.csv", "lid", silt::every(0.01)));
 ///
 /// After a restart the first row is the mean since the checkpoint.
-/// Errors: InputError for a wall that is not there; FileError.
+/// Errors: InputError for a wall that does not exist; FileError.
 class WallSeriesObserver {
  public:
   WallSeriesObserver(std::string path, std::string name, std::size_t number, Schedule schedule)

@@ -19,7 +19,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Where coarse-grained fields are known: at the centres of the equal cells that cut a box.
+/// Points of coarse-grained fields: the centres of equal cells that divide a box.
 struct CoarseGrid {
   Box box;
   std::array<int, 3> cells{1, 1, 1};  // in x, y, z
@@ -52,34 +52,35 @@ struct CoarseGrid {
   }
 };
 
-/// The fields at one place, the mean over all samples.
+/// Fields at one point, averaged over all samples.
 struct CoarseValues {
   double solid_fraction = 0;  // [-]
-  double density = 0;         // [kg/m3] of the bulk: mass in a volume
+  double density = 0;         // [kg/m3] bulk density
   Vec3d velocity{0, 0, 0};    // [m/s] momentum over density
-  double temperature = 0;     // [m2/s2] granular: a third of the mean square of the fluctuations
-  Symmetric3 kinetic_stress;  // [Pa] compression positive, of fluctuations about `velocity`
-  Tensor3 contact_stress;     // [Pa] the first index is the force's
+  double temperature = 0;     // [m2/s2] granular: a third of the mean square fluctuation
+  Symmetric3 kinetic_stress;  // [Pa] compression positive, fluctuations about `velocity`
+  Tensor3 contact_stress;     // [Pa] first index: force
   double pressure() const { return (kinetic_stress.trace() + contact_stress.trace()) / 3; }  // [Pa]
 };
 
-/// Fields on a grid from particles and contacts, by a coarse-graining function phi:
+/// Fields on a grid from particles and contacts, with a coarse-graining function phi:
 ///
 ///   density        rho(r)   = sum_k m_k phi(r - r_k)                                           (1)
 ///   momentum       rho v(r) = sum_k m_k v_k phi(r - r_k)                                       (2)
 ///   kinetic stress          = sum_k m_k v_k v_k^T phi(r - r_k) - rho v v^T                     (3)
 ///   contact stress          = sum_c F_c l_c^T int_0^1 phi(r - (from + s l_c)) ds               (4)
 ///
-/// with F the force on a contact's a, l its branch from the partner's centre, or from the point at
-/// a wall. (1) and (2) obey the balance of mass, and with the forces of walls spread by phi at
-/// their points (1) to (4) obey that of momentum, at every place and for every phi: d(rho v)/dt = -
-/// div(rho v v + stress) + rho g + walls. The samples' means are taken of (1), (2), the sum in (3)
-/// and (4); velocity and fluctuations follow from these. A gradient of the velocity counts as
-/// fluctuation: with a Gaussian of width w in a shear flow of rate G the temperature gets G^2 w^2/3
-/// of it. Source: Goldhirsch, Granular Matter 12 (2010) 239; Weinhart et al., Granular Matter 14
-/// (2012) 289
-///         (both recalled; as MercuryCG does). Of (3) the fluctuations are about the mean of all
-///         samples, not each sample's own.
+/// F is the force on a contact's a, l its branch vector from the partner's centre, or from the
+/// point at a wall. (1) and (2) fulfil the mass balance. With the wall forces spread by phi at
+/// their points, (1) to (4) fulfil the momentum balance at every point and for every phi: d(rho
+/// v)/dt = -div(rho v v + stress) + rho g + walls. Averaged over the samples are (1), (2), the sum
+/// in (3), and (4); velocity and fluctuations follow from the averages. A velocity gradient counts
+/// as fluctuation: with a Gaussian of width w, a shear flow of rate G adds G^2 w^2/3 to the
+/// temperature.
+///
+/// Source: Goldhirsch, Granular Matter 12 (2010) 239; Weinhart et al., Granular Matter 14 (2012)
+///         289 (both recalled; as MercuryCG does). In (3) the fluctuations are about the mean of
+///         all samples, not of each sample.
 /// Tests:  tests/measure/coarse_fields.cpp (mass, balance in a bed, shear, kernels).
 template <class Kernel>
 class CoarseFields {
@@ -100,7 +101,7 @@ class CoarseFields {
     add_particles(sim);
     sim.for_each_contact([&](const ContactSeen& c) { add_contact(sim, c); });
   }
-  /// The same for an observer that says itself that it reads contacts.
+  /// The same for an observer that declares itself that it reads contacts.
   template <class Sim>
   void add_recorded(const Sim& sim) {
     add_particles(sim);
@@ -122,7 +123,7 @@ class CoarseFields {
     return v;
   }
 
-  /// For ParaView; `path` should end in .vti. A tensor has nine components, row by row.
+  /// For ParaView; `path` should end in .vti. Tensors have nine components, row by row.
   void write_vti(const std::string& path) const {
     std::vector<double> solid, density, temperature, pressure;
     std::vector<Vec3d> velocity;
@@ -143,7 +144,7 @@ class CoarseFields {
     fields.add("contact_stress", contact).add("kinetic_stress", kinetic);
     silt::write_vti(path, grid_.box, grid_.cells, fields);
   }
-  /// One row a cell, x fastest.
+  /// One row per cell, x fastest.
   void write_csv(const std::string& path) const {
     CsvTable table(
         path, {"x [m]", "y [m]", "z [m]", "solid fraction [-]", "density [kg/m3]", "speed [m/s]",
@@ -173,7 +174,7 @@ class CoarseFields {
     int from, to;
   };
 
-  /// Cells of one direction whose centres lie between two places [m].
+  /// Cells in one direction whose centres are between two positions [m].
   static Range range(double low, double high, double min, double h, int cells) {
     const double from = std::ceil((low - min) / h - 0.5), to = std::floor((high - min) / h - 0.5);
     return {static_cast<int>(std::clamp(from, 0.0, double(cells))),
@@ -228,7 +229,7 @@ class CoarseFields {
       Box around;
       around.include(from), around.include(to);
       for_cells(around.min, around.max, [&](Sums& s, const Vec3d& centre) {
-        // The part of the branch within reach, measured from the point of its line that is nearest.
+        // Part of the branch within reach, measured from its point nearest to the centre.
         const Vec3d d = centre - from;
         const double along = dot(d, way), across2 = std::max(dot(d, d) - along * along, 0.0);
         if (across2 >= reach2) return;

@@ -10,11 +10,11 @@
 
 namespace silt::inline SILT_TARGET {
 
-// Coarse-graining functions phi(r) [1/m3]: how a point is spread in space, with integral 1. Each
-// says how far it reaches, its value at distance^2, and its integral along a line: over t from
-// `from` to `to` at the distance sqrt(across2 + t^2), all within its reach.
+// Coarse-graining functions phi(r) [1/m3] with integral 1. Each provides its reach, its value at
+// distance^2, and its integral along a line: over t from `from` to `to` at the distance
+// sqrt(across2 + t^2), all within the reach.
 
-/// exp(-r^2/(2 w^2)), cut off at 3 w and normalised to that: smooth fields.
+/// exp(-r^2/(2 w^2)), cut off at 3 w and normalised with the cut-off: smooth fields.
 struct GaussianKernel {
   double width;  // [m] w
 
@@ -53,7 +53,8 @@ struct LucyKernel {
     return 105 / (16 * std::numbers::pi * radius * radius * radius) * (1 + 3 * q) * left * left *
            left;
   }
-  /// By Gauss' rule of 8 points on both sides of the nearest point; 1e-6 of the peak times the way.
+  /// Gauss quadrature with 8 points on both sides of the nearest point; error 1e-6 of peak times
+  /// length.
   double along(double across2, double from, double to) const {
     if (from < 0 && to > 0) return along(across2, 0, -from) + along(across2, 0, to);
     static const detail::GaussRule<8> rule;
@@ -66,7 +67,7 @@ struct LucyKernel {
   }
 };
 
-/// The same value within a ball: plain means, which jump.
+/// Constant within a ball: plain means, with jumps.
 struct HeavisideKernel {
   double radius;  // [m]
 

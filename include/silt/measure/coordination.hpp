@@ -17,24 +17,23 @@ namespace silt::inline SILT_TARGET {
 
 /// Options of coordination().
 struct CoordinationOptions {
-  bool walls = true;      // a wall's surface that a particle touches counts as a partner
-  std::size_t least = 2;  // partners that hold a particle; with fewer it is a rattler
-  std::optional<Box> region =
-      {};  // means are over the particles whose centre is in it; left out: all
+  bool walls = true;               // walls in contact count as partners, one per surface
+  std::size_t least = 2;           // partners that hold a particle; with fewer it is a rattler
+  std::optional<Box> region = {};  // averages over particles with their centre in it; left out: all
 };
 
-/// How many partners particles touch.
+/// Number of partners of the particles.
 struct Coordination {
-  std::vector<std::uint32_t> of;  // by place; of rows that have left 0
-  double mean = 0;                // [-]
-  double without_rattlers = 0;    // [-] of the others, and of their contacts with each other
+  std::vector<std::uint32_t> of;            // by place; 0 for rows that have left
+  double mean = 0;                          // [-]
+  double without_rattlers = 0;              // [-] of the others, from contacts with each other
   std::size_t particles = 0, rattlers = 0;  // in the region
 };
 
-/// The coordination number: partners of each particle, two bodies that touch in several places
-/// counted once. Rattlers are taken away until none is left that fewer than `least` partners hold:
-/// 2 takes those that nothing can hold even with friction; 4 is the least that holds a sphere
-/// without friction. Fixed particles are no rattlers.
+/// Coordination number: partners of each particle. Two bodies that touch at several points count
+/// once. Rattlers, which have fewer than `least` partners, are removed repeatedly until none is
+/// left. 2 removes particles that cannot be held even with friction; 4 is the minimum that holds a
+/// sphere without friction. Fixed particles are not rattlers.
 /// Tests: tests/measure/measures.cpp.
 template <class Sim>
 Coordination coordination(const Sim& sim, const CoordinationOptions& options = {}) {
@@ -48,7 +47,7 @@ Coordination coordination(const Sim& sim, const CoordinationOptions& options = {
   out.of.assign(n, 0);
   ParticleId a = no_particle, b = no_particle;
   std::size_t wall = no_wall, surface = 0;
-  sim.for_each_contact([&](const ContactSeen& c) {  // those of two follow each other
+  sim.for_each_contact([&](const ContactSeen& c) {  // those of a pair are adjacent
     const bool again = c.a == a && c.b == b && c.wall == wall && c.surface == surface;
     a = c.a, b = c.b, wall = c.wall, surface = c.surface;
     if (again || !(c.overlap > 0)) return;
@@ -85,9 +84,9 @@ Coordination coordination(const Sim& sim, const CoordinationOptions& options = {
   return out;
 }
 
-/// The fabric tensor of the contacts between particles: the mean of n n^T over their normals [-],
-/// of trace 1; 1/3 of the unit tensor where no direction is preferred. `region`: contacts whose
-/// point is in it. On many ranks collective (RankAccess).
+/// Fabric tensor of the contacts between particles: the mean of n n^T over their normals [-], with
+/// trace 1; 1/3 of the unit tensor if isotropic. `region`: only contacts with their point in it. On
+/// many ranks collective (RankAccess).
 template <class Sim>
 Symmetric3 fabric(const Sim& sim, const std::optional<Box>& region = {}) {
   Symmetric3 sum;

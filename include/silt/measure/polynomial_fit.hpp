@@ -13,7 +13,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Student's t that a share `p` of the distribution with `freedom` degrees of freedom lies below.
+/// Quantile of Student's t distribution for the share `p` with `freedom` degrees of freedom.
 ///
 ///   t = z + g1/n + g2/n^2 + g3/n^3 + g4/n^4,  z the normal quantile
 ///
@@ -29,16 +29,17 @@ inline double student_quantile(double p, double freedom) {
   return z + n * (g1 + n * (g2 + n * (g3 + n * g4)));
 }
 
-/// A polynomial of degree D through points, by least squares of the vertical distances:
+/// Least-squares polynomial of degree D through points, with vertical distances:
 ///
 ///   y = sum a_k t^k,  t = (x - centre)/scale,  s^2 = sum of squares/(n - D - 1)
 ///   band of the curve   q s sqrt(p' C p),      p = (1, t, ...), C = (X' X)^-1                (1)
 ///   band of the points  q s sqrt(1 + p' C p),  q = Student's t                               (2)
 ///
-/// With 95 % (1) holds the true curve at a place, and (2) one more point, in 95 of 100 samples.
-/// Points that hang together - frames of a film that follow closely - are fewer independent ones
-/// than are counted, and (1) is then too narrow.
-/// Errors: InputError for fewer than D + 4 points, numbers that are none, too few different x.
+/// With 95 %, in 95 of 100 samples (1) contains the true curve at a given x, and (2) contains one
+/// more point. Correlated points, such as frames of a film in close succession, are fewer
+/// independent ones than are counted; (1) is then too narrow.
+/// Errors: InputError for fewer than D + 4 points, numbers that are not finite, too few different
+///         x.
 /// Tests:  tests/measure/polynomial_fit.cpp
 template <int D>
 struct PolynomialFit {
@@ -55,7 +56,7 @@ struct PolynomialFit {
     for (std::size_t k = terms; k-- > 0;) y = y * t + a[k];
     return y;
   }
-  /// Of x itself: y = sum b_k x^k.
+  /// Coefficients in x itself: y = sum b_k x^k.
   std::array<double, terms> coefficients() const {
     std::array<double, terms> b{};
     for (std::size_t k = terms; k-- > 0;) {  // b <- b (x - centre)/scale + a_k
@@ -64,7 +65,7 @@ struct PolynomialFit {
     }
     return b;
   }
-  /// Half the width of the band of the curve at x (1), and of the points (2).
+  /// Half width of the band of the curve at x (1), and of the points (2).
   double band_of_curve(double x, double share = 0.95) const { return band(x, share, 0); }
   double band_of_points(double x, double share = 0.95) const { return band(x, share, 1); }
 
@@ -103,7 +104,7 @@ PolynomialFit<D> fit_polynomial(std::span<const double> x, std::span<const doubl
   require(width > 0, "fit_polynomial: all points have x = ", *least);
   fit.scale = width;
 
-  // X' X beside 1, and X' y: inverted by Gauss and Jordan with pivots.
+  // X' X with a column of 1, and X' y: inverted by Gauss-Jordan elimination with pivoting.
   std::array<std::array<double, 2 * N + 1>, N> m{};
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double t = (x[i] - fit.centre) / fit.scale;

@@ -13,7 +13,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A picture with square pixels: numbers by column and row, from the lower left.
+/// Picture with square pixels: numbers by column and row, from the lower left.
 struct Picture {
   double left = 0, bottom = 0, pixel = 0;  // [m]
   std::size_t columns = 0, rows = 0;
@@ -29,15 +29,15 @@ struct Picture {
   }
 };
 
-/// Where particles are in how many frames of a film, seen along an axis: the heat map from which
-/// the surface of a bed is read.
+/// Heat map of a film: share of the frames in which particles cover a pixel, seen along an axis.
+/// Used to find the surface of a bed.
 ///
 ///   silt::SideView view(-R, R, -R, R, 1e-3);
 ///   view.next_frame();                         // 100 times
 ///   view.add_disc(x, z, radius);               // each particle
 ///   const auto line = silt::repose_line(view.share());
 ///
-/// Errors: InputError for sizes that make no picture, and for a disc before the first frame.
+/// Errors: InputError for invalid sizes, and for a disc before the first frame.
 /// Tests:  tests/measure/side_view.cpp
 class SideView {
  public:
@@ -56,9 +56,9 @@ class SideView {
   }
   void next_frame() { ++frames_; }
   std::uint32_t frames() const { return frames_; }
-  /// Pixels whose middles lie within `radius` [m]; each counts once a frame.
+  /// Marks the pixels with their centres within `radius` [m]; each counts once per frame.
   void add_disc(double x, double z, double radius) {
-    require(frames_ > 0, "SideView: a disc comes before the first next_frame()");
+    require(frames_ > 0, "SideView: call next_frame() before the first disc");
     const double p = seen_.pixel, from_left = x - seen_.left, above = z - seen_.bottom;
     const auto clip = [](double place, std::size_t most) {
       return static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(most)));
@@ -74,7 +74,7 @@ class SideView {
         if (last_[k] != frames_) last_[k] = frames_, seen_.value[k] += 1;
     }
   }
-  /// In which share of the frames each pixel was covered.
+  /// Share of the frames in which each pixel was covered.
   Picture share() const {
     Picture out = seen_;
     if (frames_ > 0)
@@ -88,13 +88,13 @@ class SideView {
   std::uint32_t frames_ = 0;
 };
 
-/// 1 where the picture has at least `level`, else 0.
+/// 1 where the picture is at least `level`, else 0.
 inline Picture above_level(Picture picture, double level) {
   for (float& v : picture.value) v = v >= static_cast<float>(level) ? 1 : 0;
   return picture;
 }
 
-/// Means over squares of 2 n + 1 pixels; beyond the sides there is 0.
+/// Means over squares of 2 n + 1 pixels; 0 outside the picture.
 inline Picture smoothed(const Picture& picture, std::size_t n) {
   Picture out = picture;
   const std::size_t w = picture.columns, h = picture.rows;
@@ -118,30 +118,31 @@ inline Picture smoothed(const Picture& picture, std::size_t n) {
 
 /// Options of repose_line().
 struct ReposeOptions {
-  double level = 0.5;      // [-] of the frames in which a pixel of the bed is covered
-  double smooth = 5e-3;    // [m] half the side of the squares that the bed is smoothed over
-  double from_top = 0.06;  // [m] along x from the highest point to the first of the line
-  double end = 0;          // [m] left out at the bed's lower end
+  double level = 0.5;      // [-] share of frames from which a pixel belongs to the bed
+  double smooth = 5e-3;    // [m] half side length of the smoothing squares
+  double from_top = 0.06;  // [m] along x from the highest point to the first point of the line
+  double end = 0;          // [m] omitted at the lower end of the bed
   bool to_right = true;    // the bed falls to the right; false: to the left
 };
 
-/// The surface of a bed, and the line through its straight part.
+/// Surface of a bed, and the line through its straight part.
 struct ReposeLine {
-  double angle = 0, error = 0;  // [degrees], and its standard error by the line's scatter
+  double angle = 0, error = 0;  // [degrees], and its standard error from the scatter
   double top_x = 0, top_z = 0;  // [m] the highest point
   PolynomialFit<1> line;        // height over x
-  std::vector<double> x, z;     // [m] the surface: of each column its highest pixel
-  std::vector<bool> in_line;    // whether the line is of this point
+  std::vector<double> x, z;     // [m] surface: highest pixel of each column
+  std::vector<bool> in_line;    // whether the point is used for the line
   Picture bed;                  // 1 in the bed, after the smoothing
 };
 
-/// The dynamic angle of repose as a camera sees it: the heat map above a level, smoothed, of each
-/// column the highest pixel, and a line through those that begin `from_top` beside the highest one.
+/// Dynamic angle of repose as seen by a camera: the heat map above a level, smoothed; the highest
+/// pixel of each column; and a line through those that begin `from_top` beside the highest one.
 ///
 /// Source: B. Doroszek et al., Minerals 14 (2024) 407, section 3.7.1, which begins 60 mm beside the
 ///         highest point and gives neither level nor smoothing.
-/// Valid:  a straight surface with 2 pixels of noise is met to 0.3 degrees by 120 columns (tests).
-/// Errors: InputError where no pixel reaches the level, or fewer than 5 columns are left.
+/// Valid:  for a straight surface with 2 pixels of noise and 120 columns the error is at most 0.3
+///         degrees (tests).
+/// Errors: InputError if no pixel reaches the level, or fewer than 5 columns are left.
 inline ReposeLine repose_line(const Picture& share, const ReposeOptions& options = {}) {
   require(options.level > 0 && options.level <= 1, "repose_line: level = ", options.level,
           " [-] must be in (0, 1]");
@@ -160,7 +161,7 @@ inline ReposeLine repose_line(const Picture& share, const ReposeOptions& options
         break;
       }
   require(!out.x.empty(), "repose_line: no pixel is covered in a share of ", options.level,
-          " of the frames; take a lower level, or see that there is a bed");
+          " of the frames; use a lower level, or check that there is a bed");
   out.top_x = out.x[top], out.top_z = out.z[top];
   const double side = options.to_right ? 1 : -1;
   const double last = side * (options.to_right ? out.x.back() : out.x.front()) - options.end;
@@ -171,8 +172,8 @@ inline ReposeLine repose_line(const Picture& share, const ReposeOptions& options
     if (out.in_line.back()) x.push_back(out.x[k]), z.push_back(out.z[k]);
   }
   require(x.size() >= 5, "repose_line: ", x.size(), " columns lie ", options.from_top,
-          " m and more beside the highest point at x = ", out.top_x,
-          " m, and a line needs 5; take a smaller from_top or a larger bed");
+          " m and more from the highest point at x = ", out.top_x,
+          " m, and a line needs 5; use a smaller from_top or a larger bed");
   out.line = fit_polynomial<1>(x, z);
   const double slope = out.line.a[1] / out.line.scale;
   constexpr double degrees = 180 / std::numbers::pi;

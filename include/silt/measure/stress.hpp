@@ -17,13 +17,13 @@
 namespace silt::inline SILT_TARGET {
 namespace detail {
 
-/// The share [-] of the segment from `from` to `to` that is in the box.
+/// Share [-] of the segment from `from` to `to` that is in the box.
 inline double share_inside(const Box& box, const Vec3d& from, const Vec3d& to) {
   double first = 0, last = 1;
   const auto cut = [&](double a, double b, double low, double high) {
     const double way = b - a;
     if (way == 0) {
-      if (!(a >= low && a < high)) last = 0;  // on a side that two boxes share: in one of them
+      if (!(a >= low && a < high)) last = 0;  // on a side shared by two boxes: in one of them
       return;
     }
     const double at_low = (low - a) / way, at_high = (high - a) / way;
@@ -36,7 +36,7 @@ inline double share_inside(const Box& box, const Vec3d& from, const Vec3d& to) {
   return std::max(0.0, last - first);
 }
 
-/// Calls visit(shift [m]) for each image of what is in the domain that may reach out of it.
+/// Calls visit(shift [m]) for each periodic image that may be needed.
 template <class Domain, class Visit>
 void for_each_image([[maybe_unused]] const Domain& domain, const Visit& visit) {
   if constexpr (Domain::periodic) {
@@ -66,10 +66,10 @@ void sum_over_ranks(const Sim& sim, Tensor3& t) {
 
 }  // namespace detail
 
-/// The stress [Pa] in a region, compression positive.
+/// Stress [Pa] in a region, compression positive.
 struct Stress {
-  Tensor3 contact;          // [Pa] of the forces: sum of F_a l_b over the volume
-  Tensor3 kinetic;          // [Pa] of the motion relative to `velocity`
+  Tensor3 contact;          // [Pa] from forces: sum of F_a l_b over the volume
+  Tensor3 kinetic;          // [Pa] from the motion relative to `velocity`
   Vec3d velocity{0, 0, 0};  // [m/s] of all mass in the region
   double density = 0;       // [kg/m3]
 
@@ -77,17 +77,17 @@ struct Stress {
   double pressure() const { return total().trace() / 3; }  // [Pa]
 };
 
-/// The mean stress in `region` after Love and Weber:
+/// Mean stress in `region` by Love and Weber:
 ///
 ///   contact_ab = 1/V sum_c s_c F_a l_b,   kinetic_ab = 1/V sum_k m u_a u_b                    (1)
 ///
-/// F: force on a from its partner; l: branch from the partner's centre to a's, or from the point at
-/// a wall; s: the share of the branch that is in the region; u: velocity relative to the region's
-/// mean, over the particles whose centre is in it. With these shares (1) is the mean over the
-/// volume of a field whose divergence is the force on each particle, at its centre (Goldhirsch,
-/// Granular Matter 12 (2010) 239, with a step in place of a smooth kernel; recalled): in a column
-/// at rest contact_zz is the mean over the region's height of the weight above, over its area.
-/// On many ranks collective (RankAccess).
+/// F: force on a from its partner; l: branch vector from the partner's centre to a's, or from the
+/// point at a wall; s: share of the branch in the region; u: velocity relative to the mean of the
+/// region, for particles with their centre in it. With these shares (1) is the volume mean of a
+/// field whose divergence is the force on each particle, at its centre (Goldhirsch, Granular Matter
+/// 12 (2010) 239, with a step in place of a smooth kernel; recalled). In a column at rest
+/// contact_zz is the weight above per area, averaged over the height of the region. On many ranks
+/// collective (RankAccess).
 /// Errors: InputError for a region without volume.
 /// Tests:  tests/measure/measures.cpp (column, compressed box, colliding gas).
 template <class Sim>
@@ -123,12 +123,12 @@ Stress stress(const Sim& sim, const Box& region) {
   return out;
 }
 
-/// What all contacts do to one particle.
+/// Sum of all contacts of one particle.
 struct ContactLoad {
   Vec3d force{0, 0, 0}, torque{0, 0, 0};  // [N], [N m] about its centre of mass
   std::size_t contacts = 0;
 };
-/// By place; also of fixed particles, which nothing else tells: the force on an obstacle.
+/// By place; includes fixed particles, e.g. for the force on an obstacle.
 template <class Sim>
 std::vector<ContactLoad> contact_loads(const Sim& sim) {
   detail::need_one_process<Sim>();

@@ -19,10 +19,10 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What particles do to a part of a wall.
+/// Load of a part of a wall.
 struct WallPart {
   Vec3d force{0, 0, 0};  // [N] on the part
-  double normal = 0;     // [N] sum of the contacts' normal forces
+  double normal = 0;     // [N] sum of the normal forces of its contacts
   double area = 0;       // [m2]
   std::size_t contacts = 0;
   double pressure() const { return area > 0 ? normal / area : 0; }  // [Pa]
@@ -30,16 +30,16 @@ struct WallPart {
   void add(const ContactSeen& c) { force -= c.force, normal += c.normal_force, ++contacts; }
 };
 
-/// The load of each triangle of surface `surface`, a mesh, of wall `wall`, in the order of
-/// TriangleMesh::triangles(). A contact at an edge or a corner counts for the triangle of the
-/// lowest number that has it. Their sum is the wall's force. Errors: InputError where the surface
-/// is no mesh.
+/// Load of each triangle of surface `surface`, a mesh, of wall `wall`, in the order of
+/// TriangleMesh::triangles(). A contact at an edge or vertex counts for the triangle with the
+/// lowest number there. The sum is the force on the wall. Errors: InputError if the surface is not
+/// a mesh.
 template <class Sim>
 std::vector<WallPart> facet_loads(const Sim& sim, std::size_t wall, std::size_t surface = 0) {
   detail::need_one_process<Sim>();
   const auto& surfaces = sim.wall(wall).surfaces;
   require(surface < surfaces.size() && detail::is_mesh(surfaces[surface]), "facet_loads: surface ",
-          surface, " of wall ", wall, " is no triangle mesh; of a cylinder take ring_loads");
+          surface, " of wall ", wall, " is not a triangle mesh; for a cylinder use ring_loads");
   const TriangleMesh& mesh = *std::get<std::shared_ptr<const TriangleMesh>>(surfaces[surface]);
   std::vector<WallPart> parts(mesh.triangles().size());
   for (std::size_t t = 0; t < parts.size(); ++t) {
@@ -53,8 +53,9 @@ std::vector<WallPart> facet_loads(const Sim& sim, std::size_t wall, std::size_t 
   return parts;
 }
 
-/// Writes a mesh wall where it is now with the load of each triangle: force [N], pressure [Pa] and
-/// contacts, at the three corners of each, which triangles do not share. `path` should end in .vtp.
+/// Writes a mesh wall at its present pose with the load of each triangle: force [N], pressure [Pa]
+/// and number of contacts, at the three corners of each. Triangles do not share corners in the
+/// file. `path` should end in .vtp.
 template <class Sim>
 void write_facet_loads(const std::string& path, const Sim& sim, std::size_t wall,
                        std::size_t surface = 0) {
@@ -79,10 +80,10 @@ void write_facet_loads(const std::string& path, const Sim& sim, std::size_t wall
   write_vtp_triangles(path, points, triangles, fields);
 }
 
-/// The loads of rings of equal height along the axis of a cylindrical surface, from its beginning
-/// on. Contacts beyond an end count for the last ring there, so that the rings' sum is the force of
-/// the surface. Of a moving wall by its own coordinates.
-/// Errors: InputError where the surface is no Cylinder, and for no rings.
+/// Loads of rings of equal height along the axis of a cylindrical surface, from its start. Contacts
+/// beyond an end count for the last ring there; the sum of the rings is the force on the surface.
+/// For a moving wall in its own coordinates.
+/// Errors: InputError if the surface is not a Cylinder, or rings = 0.
 template <class Sim>
 std::vector<WallPart> ring_loads(const Sim& sim, std::size_t wall, std::size_t rings,
                                  std::size_t surface = 0) {
@@ -90,7 +91,7 @@ std::vector<WallPart> ring_loads(const Sim& sim, std::size_t wall, std::size_t r
   const Wall& w = sim.wall(wall);
   require(surface < w.surfaces.size() && std::holds_alternative<Cylinder>(w.surfaces[surface]),
           "ring_loads: surface ", surface, " of wall ", wall,
-          " is no Cylinder; of a mesh take facet_loads");
+          " is not a Cylinder; for a mesh use facet_loads");
   require(rings > 0, "ring_loads: rings = 0 [-] must be at least 1");
   const auto& cylinder = std::get<Cylinder>(w.surfaces[surface]);
   const double length = norm(cylinder.to - cylinder.from);

@@ -25,16 +25,16 @@ const TriangleMesh& worn_mesh(const Sim& sim, const WhichWall& which, std::size_
   const auto& surfaces = sim.wall(which).surfaces;
   require(surface < surfaces.size() && is_mesh(surfaces[surface]), "worn_volumes: surface ",
           surface, " of ", sim.wall_name(sim.wall_number(which)),
-          " is no triangle mesh; wear is counted for meshes alone");
+          " is not a triangle mesh; wear is computed for meshes only");
   return *std::get<std::shared_ptr<const TriangleMesh>>(surfaces[surface]);
 }
 }  // namespace detail
 
-/// What a module M has worn of each triangle [m3] since the start, or since set_mesh gave the wall
-/// other triangles, in the order of TriangleMesh::triangles(). A contact at an edge or a corner
-/// counts for the triangle of the lowest number that has it.
-/// On many ranks by the particles of all (collective).
-/// Errors: InputError where the surface is no mesh.
+/// Worn volume of each triangle [m3] by a module M since the start, or since set_mesh gave the wall
+/// other triangles, in the order of TriangleMesh::triangles(). A contact at an edge or vertex
+/// counts for the triangle with the lowest number there. On many ranks it includes the particles of
+/// all (collective).
+/// Errors: InputError if the surface is not a mesh.
 template <class M, class Sim>
 std::vector<double> worn_volumes(const Sim& sim, const WhichWall& which, std::size_t surface = 0) {
   static_assert(Sim::Modules::template times<M> == 1, "this simulation has no such module");
@@ -50,16 +50,16 @@ std::vector<double> worn_volumes(const Sim& sim, const WhichWall& which, std::si
   sim.sum_over_ranks(std::span<double>(volumes));
   return volumes;
 }
-/// Their sum [m3].
+/// Total worn volume [m3].
 template <class M, class Sim>
 double worn_volume(const Sim& sim, const WhichWall& which, std::size_t surface = 0) {
   const auto all = worn_volumes<M>(sim, which, surface);
   return std::accumulate(all.begin(), all.end(), 0.0);
 }
 
-/// Writes a mesh wall where it is now with what was worn of each triangle: volume [m3] and mean
-/// depth [m], at the three corners of each, which triangles do not share. `path` should end in
-/// .vtp.
+/// Writes a mesh wall at its present pose with the wear of each triangle: volume [m3] and mean
+/// depth [m], at the three corners of each. Triangles do not share corners in the file. `path`
+/// should end in .vtp.
 template <class M, class Sim>
 void write_wear(const std::string& path, const Sim& sim, const WhichWall& which,
                 std::size_t surface = 0) {

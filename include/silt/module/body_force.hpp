@@ -7,21 +7,22 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A force on each particle that is any function of what is seen of it, and of a field of its own
-/// if one is given: an electric field, a magnet, a centrifuge.
+/// Force on each particle, given by any function of the particle's state and optionally of a field:
+/// an electric field, a magnet, a centrifuge.
 ///
 ///   silt::BodyForce{[](const silt::Seen& p) { return -0.1 * p.velocity; }}                 // [N]
 ///   silt::BodyForce{silt::Field<"charge">{}, [=](const silt::Seen& p, double q) {
 ///     return q * cross(p.velocity, B);
 ///   }}
 ///
-/// The function returns a Vec3d [N], or a Push with a torque. What else a module may say (rate(),
-/// update()) needs a struct: silt/module/concept.hpp. Tests: tests/engine/modules.cpp.
+/// The function returns a Vec3d [N], or a Push with a torque. Other members of a module (rate(),
+/// update()) need a struct: silt/module/concept.hpp.
+/// Tests:  tests/engine/modules.cpp.
 ///
 /// Source: none.
 /// Valid:  forces that change little within a time step.
 /// Units:  [N], [N m].
-/// Errors: what the function returns must be a Vec3d or a Push, or it does not compile.
+/// Errors: does not compile if the function returns neither a Vec3d nor a Push.
 template <class Function, class Own = void>
 struct BodyForce;
 

@@ -18,160 +18,161 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What a module sees of one particle.
+/// State of one particle, as passed to a module.
 struct Seen {
   ParticleId id;
   Vec3d position;          // [m] of the centre of mass
   Vec3d velocity;          // [m/s]
-  Vec3d angular_velocity;  // [rad/s]; of spheres that do not rotate 0
-  Quaternion orientation;  // of bodies: turns the frame in which the form was given to space
-  double radius;           // [m] of bodies that of the bounding sphere
+  Vec3d angular_velocity;  // [rad/s]; 0 for spheres that do not rotate
+  Quaternion orientation;  // of bodies: rotates the frame of the form to space
+  double radius;           // [m] of bodies: bounding sphere
   double mass;             // [kg] infinite: fixed
-  std::size_t material;    // [-] in the table of the contacts
+  std::size_t material;    // [-] index in the table of the contacts
   double time;             // [s]
 };
 
-/// What a module does to a particle: at its centre of mass.
+/// Action of a module on a particle, at its centre of mass.
 struct Push {
   Vec3d force{0, 0, 0};   // [N]
-  Vec3d torque{0, 0, 0};  // [N m]; needs particles that rotate
+  Vec3d torque{0, 0, 0};  // [N m]; only for particles that rotate
 };
 
-/// What a module sees of a contact, for its flux: Real is double or a pack of lanes.
+/// State of a contact, as passed to flux(). Real is double or a pack of lanes.
 template <class Real>
 struct Touching {
   Vec3<Real> normal;  // [-] from the second partner to the first
   Vec3<Real> force;   // [N] on the first
-  Real normal_force;  // [N] of it along the normal; negative where the partners attract
-  Real overlap;       // [m] > 0, of partners that touch
+  Real normal_force;  // [N] normal component; negative: attraction
+  Real overlap;       // [m] > 0
   Real R_eff;         // [m]
   Real m_eff;         // [kg]
-  Real softness;      // [-] modulus E* of the contact over that of the solids: below 1 in contacts
-                      // that Softened makes softer, else 1
-  Real growth;        // [m/s] of the overlap over the last step, from 0 on where it began in it;
-                      // negative: it shrinks. 0 unless the module says `needs_growth = true`
+  Real softness;      // [-] E* of the contact over that of the solids: below 1 in contacts of
+                      // Softened, else 1
+  Real growth;        // [m/s] of the overlap over the last step, from 0 for a new contact; < 0: it
+                      // shrinks. 0 unless the module has `needs_growth = true`
   bool at_wall;       // the second partner is a wall
 };
 
-/// Two particles that are near each other, as a module sees them that acts between them.
+/// Two neighbouring particles, as passed to pair functions.
 struct Apart {
-  Vec3d from_other;  // [m] from the centre of the second to that of the first; of periodic images
-                     // the shortest
+  Vec3d from_other;  // [m] from the centre of the second to that of the first; shortest periodic
+                     // image
   double distance;   // [m] its length
 };
 
-/// A contact of a particle with a mesh wall in one step, as a module sees it that wears walls.
+/// Contact of a particle with a mesh wall in one step, as passed to worn().
 struct WallRub {
   double normal_force;      // [N] > 0: the particle presses
   double tangential_force;  // [N] >= 0
-  double slip;      // [m/s] of the particle's surface along that of the wall, at the contact
-  double approach;  // [m/s] towards the wall; negative: away from it
-  double mass;      // [kg] of the particle
-  double duration;  // [s] that this counts for
-  bool begins;      // there was no contact here in the step before
+  double slip;              // [m/s] of the particle's surface along the wall, at the contact
+  double approach;          // [m/s] towards the wall; negative: away
+  double mass;              // [kg] of the particle
+  double duration;          // [s] time that this counts for
+  bool begins;              // the contact is new in this step
 };
 
-/// What a wall gives to the particles of a module with a flux: heat, say.
+/// Quantity given by a wall to the particles of a module with a flux, such as heat.
 struct WallGiven {
   double rate = 0;  // [.../s] at present
   double sum = 0;   // since the start
 };
 
-/// A module acts on particles, or knows more of them, beside contacts and a fluid. It is a struct
-/// that is given to a Simulation like any policy, any number of them, and has what it needs of:
+/// Module: forces, fields and fluxes of particles in addition to contacts and a fluid. A module is
+/// a struct that is passed to a Simulation like any policy, in any number. All members are
+/// optional:
 ///
-///   struct Fields { double seconds = 0; };               // a number or vector per particle
-///   static constexpr std::array names{"seconds"};        // of them, in files
-///   Fields start(const Seen&) const;                     // of a particle that comes; left out:
-///                                                        // as Fields says
+///   struct Fields { double seconds = 0; };               // numbers or vectors per particle
+///   static constexpr std::array names{"seconds"};        // their names in files
+///   Fields start(const Seen&) const;                     // of a new particle; default: Fields{}
 ///   Vec3d force(const Seen&) const;                      // [N], or a Push with a torque;
 ///   Vec3d force(const Seen&, const Fields&) const;       // may use the fields
-///   double rate(const Seen&[, const Fields&]) const;     // [1/s] of the fastest swing or decay
-///                                                        // that the force makes: sqrt(k/m), c/m
-///   void update(const Seen&, Fields&, double dt) const;  // once a step of dt [s]
+///   double rate(const Seen&[, const Fields&]) const;     // [1/s] of the fastest oscillation or
+///                                                        // decay due to the force: sqrt(k/m), c/m
+///   void update(const Seen&, Fields&, double dt) const;  // once per step of dt [s]
 ///
-/// `force` is asked in each step at the particle's place then, and again until the velocity of that
-/// time, which the force changes, fits to it: twice if it does not depend on the velocity, up to
-/// seven times if it does. `static constexpr bool needs_velocity = false` asks once. `update` comes
-/// after each step, when particles have moved: positions are those of the step's end, velocities
-/// those of its middle (Leapfrog). Both are called by several threads at once, in no order: they
-/// see one particle and change its own Fields alone. Fields are plain doubles and Vec3d; they are
-/// kept in double, saved in checkpoints, sorted with the particles, and written to VTK and CSV.
+/// `force` is called in each step with the present position. As the force changes the velocity, the
+/// call is repeated until the velocity of that time is consistent: twice if the force does not
+/// depend on the velocity, up to seven times if it does. `static constexpr bool needs_velocity =
+/// false` reduces this to one call. `update` is called after each step, when particles have moved:
+/// positions are those of the end of the step, velocities those of its middle (Leapfrog). Both are
+/// called by several threads, in any order, and may change only the Fields of their particle.
+/// Fields are double and Vec3d. They are stored in double precision, saved in checkpoints, sorted
+/// with the particles, and written to VTK and CSV.
 ///
-/// A number may flow between particles in contact, as heat or charge do. Then a module has:
+/// A quantity such as heat or charge may flow between particles in contact. The module then has:
 ///
-///   static constexpr auto exchanged = &Fields::temperature;    // both ends' enter the flux
+///   static constexpr auto exchanged = &Fields::temperature;    // the value that flux() gets
 ///   template <class Real>
 ///   Real flux(const Touching<Real>& c, const Real& a, const Real& b) const;  // [.../s] into the
 ///                                                              // first end; the second loses it
-///   double at_wall(std::size_t wall, double time) const;       // what a wall has; left out:
-///                                                              // nothing flows at walls
-///   void update(const Seen&, Fields&, double received, double dt) const;  // in place of update:
-///                                                              // received [.../s] of all contacts
+///   double at_wall(std::size_t wall, double time) const;       // value of a wall; default: no
+///                                                              // flux at walls
+///   void update(const Seen&, Fields&, double received, double dt) const;  // replaces update();
+///                                                              // received [.../s]: all contacts
 ///
-/// flux() is compiled for double and for packs of lanes, like a contact law. It is asked once a
-/// step for each contact, with the fields at the step's beginning, and summed in double. Beside it
-/// a module may have:
+/// flux() is compiled for double and for packs of lanes, like a contact law. It is called once per
+/// step for each contact, with the fields at the start of the step, and summed in double precision.
+/// Further members of such a module:
 ///
-///   template <class Real> struct Coefficients { Real ...; };    // what belongs to two materials
+///   template <class Real> struct Coefficients { Real ...; };    // for a pair of materials
 ///   Coefficients<double> coefficients(const auto& contacts, std::size_t a, std::size_t b) const;
-///                                        // of the first and the second end, a wall's too; then
+///                                        // for the materials of both ends, walls included; then
 ///   flux(c, const Coefficients<Real>& p, a, b)                  // replaces flux(c, a, b)
-///   at_wall() may return a std::optional<double>; without a value: nothing flows at this wall
-///   std::optional<double> given_by_wall(std::size_t wall, double time) const;  // [.../s] that the
-///                                        // wall gives in all, in proportion to flux() from 1 to 0
-///                                        // of each of its contacts; none: what at_wall says
-///   double at_contact(const Seen&, const Fields&) const;        // what a particle has for
-///                                        // flux(), in place of `exchanged`
-///   static constexpr bool needs_growth = true;                  // Touching::growth is filled in
-///   double rate(const Seen&, const Fields&, double slope) const;  // [1/s], slope: the sum of
-///                                        // flux() from 1 to 0 over the contacts of the particle,
-///                                        // looked at now and then; rate(const Seen&) before that
-///   std::size_t flux_every = 10;                                // [steps] at most, from one call
-///   of
-///                                        // flux() to the next; the flux is held between them
+///   at_wall() may return a std::optional<double>; without a value: no flux at this wall
+///   std::optional<double> given_by_wall(std::size_t wall, double time) const;  // [.../s] in all
+///                                        // from the wall, divided in proportion to flux() from 1
+///                                        to 0
+///                                        // of its contacts; without a value: at_wall()
+///   double at_contact(const Seen&, const Fields&) const;        // value of a particle for flux(),
+///                                        // in place of `exchanged`
+///   static constexpr bool needs_growth = true;                  // sets Touching::growth
+///   double rate(const Seen&, const Fields&, double slope) const;  // [1/s], slope: sum of flux()
+///                                        // from 1 to 0 over the contacts of the particle, updated
+///                                        // at intervals; before that rate(const Seen&)
+///   std::size_t flux_every = 10;                                // [steps] largest interval
+///                                        // between calls of flux(), constant in between
 ///   Real share_of_loss(const Coefficients<Real>& p) const;      // [-] see below
 ///   void check(const auto& simulation) const;                   // throws before a run
 ///
-/// flux() is asked less often than in each step where every module with a flux has flux_every (and
-/// none has share_of_loss): as seldom as the least of them says, while the fastest rate times the
-/// time between two calls is at most 0.01. With `update` once a step this is Euler's rule of a
-/// longer step, and what one end gets the other loses as before.
+/// flux() is called at intervals of several steps if every module with a flux has flux_every and
+/// none has share_of_loss. The interval is the smallest flux_every, and is limited by: fastest rate
+/// times interval <= 0.01. With `update` in each step this is Euler's method with a longer step,
+/// and the exchange remains conservative.
 ///
-/// Particles may act on each other at a distance, touching or not, within a reach between their
-/// centres, or between their surfaces (of bodies: of their bounding spheres). Then a module has:
+/// Particles may interact at a distance, with a reach between their centres or between their
+/// surfaces (for bodies: bounding spheres). The module then has:
 ///
 ///   double reach() const;                                       // [m] > 0 between centres; or
 ///   double gap_reach() const;                                   // [m] > 0 between surfaces
 ///   Vec3d pair_force(const Apart& d, const Seen& a, const Fields& of_a, const Seen& b,
-///                    const Fields& of_b) const;                 // [N] on a; b gets the opposite;
+///                    const Fields& of_b) const;                 // [N] on a; -force on b;
 ///                                                               // or (d, a, b) without fields
-///   Vec3d pair_force_on_both(d, a, of_a, b, of_b) const;        // [N] beside it, on a and on b
-///                                                               // alike: a third body takes part
-///   bool pushes_both() const;                                   // whether that is asked
-///   double pair_stiffness(d, a, of_a, b, of_b) const;           // [N/m] how fast it changes with
-///                                                               // their places, for the time
-///                                                               // step; or (d, a, b)
+///   Vec3d pair_force_on_both(d, a, of_a, b, of_b) const;        // [N] in addition, on a and on b
+///                                                               // alike: from a third body
+///   bool pushes_both() const;                                   // whether it is called
+///   double pair_stiffness(d, a, of_a, b, of_b) const;           // [N/m] change of the force with
+///                                                               // position, for the time step;
+///                                                               // or (d, a, b)
 ///   double pair_flux(d, a, of_a, b, of_b) const;                // [.../s] into a, out of b
-///   double pair_slope(d, a, of_a, b, of_b) const;               // [.../s] its change with what b
-///                                                               // has; added to the `slope` of
-///                                                               // rate
+///   double pair_slope(d, a, of_a, b, of_b) const;               // [.../s] its change with the
+///                                                               // value of b; added to the
+///                                                               // `slope` of rate()
 ///
-/// and is asked once a step for each pair within the reach, in no order, by several threads. Forces
-/// act at the centres of mass: one that is not along d turns no particle, and keeps no angular
-/// momentum. Velocities are those of half a step before. What pair_flux() gives is `received` by
-/// update(), together with what flows through contacts; where those fluxes are held for several
-/// steps, so is this one. The pairs come from lists of the module's own:
-/// engine/lists/near_list.hpp.
+/// These functions are called once per step for each pair within the reach, in any order, by
+/// several threads. Forces act at the centres of mass: a force that is not along d does not rotate
+/// particles, and does not conserve angular momentum. Velocities are those of half a step before.
+/// The sum of pair_flux() is part of `received` in update(), together with the flux through
+/// contacts; where contact fluxes are constant over several steps, so is pair_flux(). The pairs
+/// come from the module's own lists: engine/lists/near_list.hpp.
 ///
-/// A module that wears mesh walls has
+/// A module that computes wear of mesh walls has
 ///
-///   double worn(const WallRub& rub, std::size_t wall) const;    // [m3] that this step takes off
+///   double worn(const WallRub& rub, std::size_t wall) const;    // [m3] volume worn in this step
 ///
-/// asked for each contact with a triangle mesh, and summed for each facet (docs/wear.md).
+/// It is called for each contact with a triangle mesh, and summed for each facet (docs/wear.md).
 ///
-/// With share_of_loss() what friction and damping take from a contact [W] is received by its ends,
-/// this share by the first and the rest by the second, if that is a particle. It needs an
+/// With share_of_loss() the power lost by friction and damping in a contact [W] is given to its
+/// ends: this share to the first, the rest to the second if it is a particle. It needs an
 /// EnergyLedger.
 namespace detail {
 
@@ -188,7 +189,7 @@ struct FieldsOfModule<M> {
 
 }  // namespace detail
 
-/// The fields of a module; of one without any an empty struct.
+/// The fields of a module; an empty struct for a module without fields.
 template <class M>
 using FieldsOf = typename detail::FieldsOfModule<M>::type;
 
@@ -223,7 +224,7 @@ template <class M>
 concept HasCoefficients = Exchanges<M> && requires {
   typename M::template Coefficients<double>;
 };
-/// Of a module without Coefficients.
+/// For a module without Coefficients.
 template <class Real>
 struct NoCoefficients {};
 template <class M>
@@ -315,10 +316,10 @@ template <class M>
 concept SaysPairSlope = requires(const M& m, const Apart& d, const Seen& p, const FieldsOf<M>& f) {
   { m.pair_slope(d, p, f, p, f) } -> std::convertible_to<double>;
 };
-/// Acts between particles at a distance.
+/// Interacts between particles at a distance.
 template <class M>
 concept ActsInPairs = PushesPairs<M> || FlowsInPairs<M>;
-/// Is told what it received.
+/// Gets the sum of its fluxes in update().
 template <class M>
 concept Receives = Exchanges<M> || FlowsInPairs<M>;
 template <class M>
@@ -345,7 +346,7 @@ concept SaysItsRate = requires(const M& m, const Seen& p) {
   { m.rate(p, f) } -> std::convertible_to<double>;
 };
 
-/// The answer of a module's force, whichever of the forms it has.
+/// The result of a module's force, for all its forms.
 template <class M>
 SILT_INLINE auto answer_of(const M& m, const Seen& p, const FieldsOf<M>& f) {
   if constexpr (AsksForForceWithFields<M>)
@@ -379,15 +380,15 @@ inline constexpr bool needs_velocity = [] {
 
 }  // namespace detail
 
-/// A quantity of particles that more than one module may have: Of: the Fields that these have;
-/// member: where it is in them. As silt::Temperature.
+/// A quantity of particles that several modules may have. Of: the Fields of these modules; member:
+/// its member in them. Example: silt::Temperature.
 template <class Q>
 concept FieldQuantity = requires(typename Q::Of& fields) {
   fields.*Q::member;
 };
 
-/// A policy of the module axis: it has fields, pushes, or wears walls, and its functions take what
-/// they are called with.
+/// A policy of the module axis: it has fields, forces, or wear, and its functions have the right
+/// arguments.
 template <class M>
 concept Module = std::is_copy_constructible_v<M> &&
     (detail::Pushes<M> || detail::has_fields<M> || detail::WearsWalls<M> ||

@@ -13,8 +13,8 @@ struct FixedName {
   constexpr std::string_view view() const { return {characters, N - 1}; }
 };
 
-/// A number or a vector of the user's own for each particle: set and read by name, saved in
-/// checkpoints, sorted with the particles, written to VTK and CSV.
+/// A user-defined number or vector per particle: set and read by name, saved in checkpoints, sorted
+/// with the particles, written to VTK and CSV.
 ///
 ///   silt::Simulation sim{beads, contacts, silt::Field<"charge">{}};
 ///   sim.field<"charge">(k) = 1e-12;
@@ -22,13 +22,13 @@ struct FixedName {
 /// T: double or Vec3d. Tests: tests/engine/modules.cpp.
 /// Source: none.
 /// Valid:  every shape.
-/// Units:  the user's own.
-/// Errors: T other than double or Vec3d does not compile; an unknown name does not either.
+/// Units:  chosen by the user.
+/// Errors: a T other than double or Vec3d, and an unknown name, do not compile.
 template <FixedName Name, class T = double>
 struct Field {
   static_assert(std::is_same_v<T, double> || std::is_same_v<T, Vec3d>,
                 "Field<Name, T>: T must be double or silt::Vec3d");
-  T initial{};  // of each particle that comes
+  T initial{};  // of each new particle
   struct Fields {
     T value;
   };

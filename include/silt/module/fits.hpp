@@ -8,13 +8,13 @@
 
 #include <silt/module/concept.hpp>
 
-// Sentences for modules whose functions do not fit: silt calls what it finds, and a function of
-// another signature would never be called, without a word. Tests: tests/compile/refused/module_*.
+// Messages for modules with wrong signatures. silt calls the members that it finds; a function with
+// another signature would silently never be called. Tests: tests/compile/refused/module_*.
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Beside these names a member of M of the same name is ambiguous, whatever it is: a function,
-/// several, a template. That tells whether M has one. (Of a final M only what has an address.)
+/// A member of M with one of these names becomes ambiguous, whether a function, an overload set or
+/// a template. This detects that M has one. (For a final M only members that have an address.)
 struct NamesOfModules {
   int force, rate, start, update, flux, at_wall, exchanged, at_contact, given_by_wall,
       share_of_loss, worn, pair_force, pair_force_on_both, pair_flux, pair_stiffness, pair_slope,
@@ -65,7 +65,7 @@ struct MembersNamed<M> {
   static constexpr bool reach = requires { &M::reach; };
   static constexpr bool gap_reach = requires { &M::gap_reach; };
 };
-/// A class that is no module for what is checked here, but has a module's functions.
+/// A class that does not satisfy the concept, but has functions of a module.
 template <class P>
 inline constexpr bool is_meant_as_module = [] {
   if constexpr (std::is_class_v<P>) {
@@ -75,13 +75,13 @@ inline constexpr bool is_meant_as_module = [] {
   return false;
 }();
 
-/// What becomes a double and nothing else.
+/// Converts to double and to nothing else.
 struct OnlyDouble {
   template <class T>
   requires std::same_as<T, double>
   operator T() const;
 };
-/// Whether the members of an aggregate, down to the last, are doubles: as many as it has room for.
+/// Whether all members of an aggregate are doubles: it takes as many as fit its size.
 template <class F>
 inline constexpr bool is_of_doubles = [] {
   if constexpr (std::is_empty_v<F> || !std::is_aggregate_v<F>)
@@ -104,14 +104,14 @@ template <class M>
 concept StartsFields = requires(const M& m, const Seen& p, FieldsOf<M>& f) {
   f = m.start(p);
 };
-/// Takes fields that are about to go: it has them by value, or as const.
+/// update() takes its fields by value or as const.
 template <class M>
 concept UpdatesACopy = requires(const M& m, const Seen& p, double dt) {
   m.update(p, FieldsOf<M>{}, dt);
 }
 || requires(const M& m, const Seen& p, double dt) { m.update(p, FieldsOf<M>{}, dt, dt); };
 
-/// One sentence for each function of M between pairs within a reach that does not fit.
+/// One message for each pair function of M with a wrong signature.
 template <class M>
 struct PairsFit {
   using Named = MembersNamed<M>;
@@ -132,7 +132,7 @@ struct PairsFit {
                 "silt::Apart&, const silt::Seen&, const Fields&, const silt::Seen&, const Fields&) "
                 "const`, public, and in a module with Fields: silt/module/concept.hpp");
   static_assert(!Named::pair_flux || UpdatesByFlux<M>,
-                "a module with pair_flux() needs update(seen, fields, received, dt), which is told "
+                "a module with pair_flux() needs update(seen, fields, received, dt), which gets "
                 "what a particle received: silt/module/concept.hpp");
   static_assert(!Named::pair_stiffness || (SaysPairStiffness<M> && Named::pair_force),
                 "a module's pair_stiffness() does not fit: it must be `double pair_stiffness(const "
@@ -158,14 +158,13 @@ struct PairsFit {
   static constexpr bool checked = true;
 };
 
-/// One sentence for each function of M that does not fit.
+/// One message for each function of M with a wrong signature.
 template <class M>
 struct ModuleFits : PairsFit<M> {
   using Named = MembersNamed<M>;
-  static_assert(
-      is_of_doubles<FieldsOf<M>>,
-      "the Fields of a module are doubles and silt::Vec3d alone: keep an int or a bool in "
-      "a double");
+  static_assert(is_of_doubles<FieldsOf<M>>,
+                "the Fields of a module are only doubles and silt::Vec3d: keep an int or a bool in "
+                "a double");
   static_assert(
       !Named::force || PushesWithVectors<M>,
       "a module's force() does not fit: it must be `silt::Vec3d force(const silt::Seen&) "
@@ -198,7 +197,7 @@ struct ModuleFits : PairsFit<M> {
                 "a module whose update() takes what it `received` needs `exchanged` and flux(), or "
                 "pair_flux(): silt/module/concept.hpp");
   static_assert(Named::flux == Named::exchanged,
-                "a module in which something flows has both `exchanged` and flux(): "
+                "a module with a flux has both `exchanged` and flux(): "
                 "silt/module/concept.hpp");
   static_assert(!Exchanges<M> || !Named::flux || FluxOnLanes<M, double>,
                 "a module's flux() does not fit: it must be `template <class Real> Real flux(const "

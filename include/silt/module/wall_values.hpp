@@ -13,21 +13,22 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What a module is told of walls, in one of two forms: of wall 0, 1, ... in their order, or each
-/// with its wall's name or number.
+/// Values of walls for a module, in one of two forms: for wall 0, 1, ... in order, or each with the
+/// name or number of its wall.
 ///
 ///   {held_at(400), insulated()}
 ///   {{"drum", held_at(400)}, {2, insulated()}}
 ///
-/// Names are looked up by resolve(), before a run. Errors: InputError: a list of both forms; in
-/// resolve() a wall that is not there, with the names that are, or one that is given twice. Tests:
-/// tests/engine/wall_heat.cpp.
+/// Names are resolved by resolve(), before a run.
+/// Errors:  InputError for a list with both forms; in resolve() for a wall that does not exist
+///          (with the names that do) or is given twice.
+/// Tests:   tests/engine/wall_heat.cpp.
 template <class T>
 class WallValues {
  public:
   struct Entry {
     Entry() = default;
-    template <std::same_as<T> U>                     // no name that would become a bool
+    template <std::same_as<T> U>                     // excludes a name that would become a bool
     Entry(U of_wall) : value(std::move(of_wall)) {}  // NOLINT: converts
     Entry(const NumberOrName& wall, T of_wall)
         : value(std::move(of_wall)),
@@ -57,22 +58,22 @@ class WallValues {
   }
 
   const std::vector<Entry>& entries() const { return entries_; }
-  /// The value of a wall; null: none is given.
+  /// The value of a wall; null: none given.
   const T* of(std::size_t wall) const {
     if (in_order_) return wall < entries_.size() ? &entries_[wall].value : nullptr;
     require(resolved_,
-            "a module was given values of walls by their names in the middle of a run; names are "
-            "looked up when a run begins (Simulation::set_wall_heat changes one at any time)");
+            "values of walls were given to a module by name during a run; names are resolved "
+            "when a run begins (Simulation::set_wall_heat changes a wall at any time)");
     return wall < entry_of_.size() && entry_of_[wall] > 0 ? &entries_[entry_of_[wall] - 1].value
                                                           : nullptr;
   }
-  /// Calls visit(wall, value) for each that set() gave.
+  /// Calls visit(wall, value) for each value given by set().
   template <class Visit>
   void for_each_changed(const Visit& visit) const {
     for (std::size_t w = 0; w < entry_of_.size(); ++w)
       if (entry_of_[w] > 0 && entries_[entry_of_[w] - 1].changed) visit(w, *of(w));
   }
-  /// Looks up names and checks numbers; `list`: what messages call it.
+  /// Resolves names and checks numbers; `list`: its name in messages.
   template <class Sim>
   void resolve(const Sim& sim, const char* list) const {
     require(!in_order_ || entries_.size() <= sim.walls(), list, " has ", entries_.size(),
@@ -109,7 +110,7 @@ class WallValues {
 
   std::vector<Entry> entries_;
   bool in_order_ = true;
-  // Of each wall its entry, counted from 1; 0: none. Looked up before a run.
+  // Entry of each wall, counted from 1; 0: none. Set before a run.
   mutable std::vector<std::size_t> entry_of_;
   mutable bool resolved_ = false;
 };

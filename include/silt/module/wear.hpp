@@ -16,10 +16,10 @@ namespace silt::inline SILT_TARGET {
 
 /// Wear by sliding:  V = k F_n s/H.
 ///
-/// s is the way that the particle's surface slides along the wall's, of its turning too; that of a
-/// contact which sticks and only moves its tangential spring counts as well (its sum is small).
-/// Source: J.F. Archard, J. Appl. Phys. 24 (1953) 981, recalled; k is the dimensionless coefficient
-///         with the hardness apart.
+/// s is the sliding distance of the particle's surface along the wall, including its rotation. In
+/// sticking contacts the motion that loads the tangential spring also counts (its sum is small).
+/// Source: J.F. Archard, J. Appl. Phys. 24 (1953) 981, recalled; k is the dimensionless
+///         coefficient, with the hardness as a separate factor.
 /// Valid:  steady sliding of rough surfaces; k is measured, 1e-8 to 1e-2.
 /// Tests:  tests/physics/wear.cpp (a sphere that slides, exact).
 /// Units:  SI.
@@ -36,30 +36,30 @@ struct Archard {
   }
 };
 
-/// Wear by impacts that cut, of ductile walls:  V = c m u^2 f(alpha)/(p psi K),
+/// Wear of ductile walls by cutting impacts:  V = c m u^2 f(alpha)/(p psi K),
 ///
 ///   f = sin 2 alpha - (6/K) sin^2 alpha   where tan alpha <= K/6
 ///       (K/6) cos^2 alpha                 else
 ///
-/// once for each impact, with speed u and angle alpha (0: along the wall) at the first touch, of
-/// the particle's surface. Sliding after it adds nothing: give the simulation Wear<Archard> too.
+/// once per impact, with speed u and angle alpha (0: along the wall) of the particle's surface at
+/// first touch. Sliding after the impact adds no wear; add Wear<Archard> to the simulation for it.
 /// Source: I. Finnie, Wear 3 (1960) 87, recalled; f with K = 2 compared with the source of LIGGGHTS
-///         (fix mesh/surface/stress, wear finnie), which has it too. That code integrates
-///         2 k |F| |u| f(alpha) over the approach of each contact instead, so that its numbers
-///         depend on the contact law.
-/// Valid:  hard sharp grains on ductile metals, alpha < 45 degrees; at 90 degrees it gives nothing,
-///         where metals wear a third of the most.
+///         (fix mesh/surface/stress, wear finnie), which also has it. LIGGGHTS integrates 2 k |F|
+///         |u| f(alpha) over the approach of each contact instead; its result depends on the
+///         contact law.
+/// Valid:  hard sharp particles on ductile metals, alpha < 45 degrees. At 90 degrees the formula
+///         gives no wear, while the wear of metals is a third of its maximum.
 /// Tests:  tests/physics/wear.cpp (V at angles on both sides of the border).
 /// Units:  SI.
 /// Errors: InputError naming field, value, unit and allowed range.
 struct Finnie {
   double flow_stress = 0;    // [Pa] p > 0
-  double share_cutting = 1;  // [-] c of the grains that cut; 0.5 is usual for many
+  double share_cutting = 1;  // [-] c share of particles that cut; 0.5 is usual for many
   double depth_ratio = 2;    // [-] psi: length of a cut over its depth
   double force_ratio = 2;    // [-] K: vertical over horizontal force
   double volume(const WallRub& c) const {
     if (!c.begins || !(c.approach > 0)) return 0;
-    // u^2 f(alpha) of the parts of the velocity
+    // u^2 f(alpha) from the components of the velocity
     const double n = c.approach, t = c.slip, K = force_ratio;
     const double f = 6 * n <= K * t ? 2 * n * t - 6 / K * n * n : K / 6 * t * t;
     return share_cutting * c.mass * f / (flow_stress * depth_ratio * K);
@@ -72,31 +72,31 @@ struct Finnie {
   }
 };
 
-/// A law of wear: `double volume(const WallRub&) const` [m3] of one contact in one step.
+/// Law of wear: `double volume(const WallRub&) const` [m3], for one contact in one step.
 template <class L>
 concept WearLaw = std::copyable<L> && requires(const L& law, const WallRub& c) {
   { law.volume(c) } -> std::convertible_to<double>;
 };
 
-/// Module: what particles wear of walls that are triangle meshes, facet by facet. The walls keep
-/// their form.
+/// Module: wear of walls that are triangle meshes by particles, for each facet. The walls keep
+/// their shape.
 ///
 ///   silt::Simulation sim{grains, silt::Contacts<silt::HertzMindlin>{steel},
 ///                        silt::Wear<silt::Archard>{{.coefficient = 1e-4, .hardness = 2e9}}};
 ///   silt::worn_volumes<silt::Wear<silt::Archard>>(sim, "chute");   // [m3] of each facet
 ///   silt::write_wear<silt::Wear<silt::Archard>>("chute.vtp", sim, "chute");
 ///
-/// A law of one's own has `double volume(const WallRub&) const` [m3], of one contact and one step,
-/// and may have check(words).
+/// A user-defined law has `double volume(const WallRub&) const` [m3], for one contact and one step,
+/// and optionally check(words).
 /// Errors: InputError naming the value; where no wall is a mesh.
 /// Tests:  tests/physics/wear.cpp
 /// Source: as its law.
-/// Valid:  walls that are triangle meshes and keep their form.
+/// Valid:  walls that are triangle meshes and keep their shape.
 /// Units:  [m3].
 template <WearLaw Law>
 struct Wear {
-  Law law{};                       // of all walls but
-  std::vector<Law> first_walls{};  // ... wall 0, 1, ..., as far as these are given
+  Law law{};                       // of all walls except
+  std::vector<Law> first_walls{};  // ... of wall 0, 1, ..., as far as given
 
   double worn(const WallRub& c, std::size_t wall) const {
     return (wall < first_walls.size() ? first_walls[wall] : law).volume(c);
@@ -108,7 +108,7 @@ struct Wear {
       for (const auto& surface : sim.wall(w).surfaces) meshes |= detail::is_mesh(surface);
     require(meshes,
             "Wear: no wall of this simulation is a triangle mesh, and wear is counted for their "
-            "facets alone; give it a TriangleMesh or stl_wall()");
+            "facets only; use a TriangleMesh or stl_wall()");
     require(first_walls.size() <= sim.walls(), "Wear.first_walls has ", first_walls.size(),
             " entries, but the simulation has ", sim.walls(), " walls");
     check_law(law, "Wear.law: ");

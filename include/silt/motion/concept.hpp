@@ -9,28 +9,28 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The largest dt c/m* [-] that an impact may have, along the normal and for the slip.
+/// Largest dt c/m* [-] of an impact, along the normal and for the slip.
 struct DampingLimit {
   double normal;
   double shear = std::numeric_limits<double>::infinity();
 };
 
-/// An integrator of translation and rotation: a policy of Simulation. Two kinds:
+/// Integrator of translation and rotation, a policy of Simulation. Two kinds:
 ///
-/// Of kicks and drifts (Leapfrog, SymplecticEuler), `derivatives` = 0: velocities are kicked over
-/// the time between two steps, positions drift with them.
-///   static constexpr double first_kick     [-] share of a step that the first kick is long: 1/2
-///     where velocities belong to half steps
-/// Of predictor and corrector (Gear), `derivatives` > 0: that many further derivatives of position
-/// and of velocity of rotation are kept for each particle.
+/// Kick and drift (Leapfrog, SymplecticEuler), `derivatives` = 0: velocities are kicked over the
+/// time between two steps, positions drift with them.
+///   static constexpr double first_kick     [-] length of the first kick over the step: 1/2
+///     if velocities belong to half steps
+/// Predictor and corrector (Gear), `derivatives` > 0: the number of further derivatives of position
+/// and of angular velocity that are kept for each particle.
 ///
-/// How strong dashpots may be over a step, dt c/m*, and what becomes of a rate; left out, they are
-/// Leapfrog's:
+/// Optional, with the values of Leapfrog as default: the limit dt c/m* of dashpots in a step, and
+/// the measure of a rate:
 ///   static constexpr DampingLimit damping_limit   at the guard's limit of the time step
-///   static double rate(double spring, double dashpot)   [-] that guard.max_rate limits, of a
-///     particle whose contacts swing with the frequency spring/dt and damp with the rate dashpot/dt
+///   static double rate(double spring, double dashpot)   [-] limited by guard.max_rate, for a
+///     particle whose contacts oscillate with the frequency spring/dt and decay with dashpot/dt
 ///
-/// `lag` [steps]: by how much the velocities that contacts see are older than positions.
+/// `lag` [steps]: age of the velocities of contacts relative to the positions.
 template <class I>
 concept Integrator = requires {
   I::is_integrator;
@@ -40,8 +40,8 @@ concept Integrator = requires {
 
 namespace detail {
 
-/// Kicks and drifts follow dashpots up to dt c/m* = 1.25: an impact of e = 0.05 may leave with 0.1
-/// there. From 2.4 on impacts gain energy.
+/// Kick and drift schemes resolve dashpots up to dt c/m* = 1.25: an impact with e = 0.05 may
+/// rebound with 0.1 there. From 2.4 on impacts gain energy.
 template <class I>
 inline constexpr DampingLimit damping_limit = [] {
   if constexpr (requires { I::damping_limit; })
@@ -50,7 +50,7 @@ inline constexpr DampingLimit damping_limit = [] {
     return DampingLimit{1.25};
 }();
 
-/// Leapfrog breaks where the rate is 2.
+/// Leapfrog becomes unstable at a rate of 2.
 template <class I>
 double rate_of(double spring, double dashpot) {
   if constexpr (requires { I::rate(spring, dashpot); })

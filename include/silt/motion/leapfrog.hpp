@@ -6,15 +6,15 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Leapfrog, which gives the positions of velocity Verlet: velocities live at half steps.
+/// Leapfrog: velocities at half steps, positions identical to those of velocity Verlet.
 ///
 ///   v(t + dt/2) = v(t - dt/2) + (F/m + g) dt,   x(t + dt) = x(t) + v(t + dt/2) dt            (1)
 ///   u(t + dt/2) = u(t - dt/2) + (r T/I) dt for the spin velocity u = r w                     (2)
 ///
-/// Second order, symplectic for forces of position; the first kick is half a step long. The
-/// default. What observers see are velocities at whole steps, the means of two halves.
+/// Second order, symplectic for position-dependent forces. The first kick has half the length of a
+/// step. Default integrator. Observers get velocities at whole steps, as means of two half steps.
 /// Source: W. C. Swope et al., J. Chem. Phys. 76 (1982) 637.
-/// Units:  SI. Shapes: one particle a call; rows of four whose last entry stays as it is.
+/// Units:  SI. Shapes: one particle per call; rows of four whose last entry is constant.
 /// Errors: none.
 /// Tests:  tests/physics/conservation.cpp.
 /// Valid:  steps that resolve a contact; from dt c/m* = 2.4 on impacts gain energy
@@ -50,9 +50,9 @@ struct Leapfrog {
 /// Its positions are those of velocity Verlet.
 using VelocityVerlet = Leapfrog;
 
-/// As Leapfrog, but velocities count as those of whole steps from the first one on, which is kicked
-/// by a whole step: semi-implicit Euler, first order. Positions are those of a leapfrog that began
-/// with another velocity, by half a step; energies stay as near.
+/// Semi-implicit Euler: as Leapfrog, but velocities are taken as those of whole steps, and the
+/// first kick has the length of a whole step; first order. Positions are those
+/// of a leapfrog whose initial velocity is half a step off; energy errors have the same size.
 /// Tests: tests/physics/integrators.cpp.
 /// Source: as Leapfrog.
 /// Valid:  as Leapfrog.

@@ -9,9 +9,9 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// How rigid bodies turn: a policy of Simulation for particles that are no spheres. A body has an
-/// orientation q (body axes to space), principal moments I [kg m2], and an angular momentum L
-/// [kg m2/s] in body axes. A step is
+/// Rotation of rigid bodies: a policy of Simulation for non-spherical particles. A body has an
+/// orientation q (body axes to space), principal moments I [kg m2], and an angular momentum L [kg
+/// m2/s] in body axes. A step consists of
 ///   kick(L, T, I, time)       by the torque T [N m] in body axes
 ///   drift(q, L, I, time)      without torque
 /// Tests: tests/physics/rotation.cpp.
@@ -23,11 +23,11 @@ concept RotationIntegrator = requires(Quaternion q, Vec3d momentum, const Vec3d 
   R::drift(q, momentum, inertia, 0.0);
 };
 
-/// The default: free motion as exact turns about the body axes 3 2 1 2 3. Second order, symplectic
-/// and reversible; energy errs by a bounded amount, the angular momentum in space and the length of
-/// q not at all.
+/// Default: free rotation as exact rotations about the body axes 3 2 1 2 3. Second order,
+/// symplectic and reversible. The energy error is bounded; the angular momentum in space and the
+/// length of q are exact.
 /// Source: T. F. Miller et al., J. Chem. Phys. 116 (2002) 8649 (NO_SQUISH).
-/// Valid:  bodies of any shape and any turn within a step.
+/// Valid:  bodies of any shape and any rotation within a step.
 /// Units:  SI; angular momentum [kg m2/s] in body axes.
 /// Errors: none.
 /// Tests:  tests/physics/rotation.cpp.
@@ -44,8 +44,8 @@ struct NoSquish {
     drift(turned, momentum, inertia, time);
     q = {turned[0], turned[1], turned[2], turned[3]};
   }
-  /// The same for q = (w, x, y, z) in lanes: a body's turns wait for each other, several bodies'
-  /// do not.
+  /// The same for q = (w, x, y, z) in lanes. The rotations of one body depend on each other; those
+  /// of several bodies run in parallel.
   template <class Real>
   static void drift(Real (&q)[4], Vec3<Real>& L, const Vec3<Real>& inertia, const Real& time) {
     const Real one(1), half = Real(0.5) * time;
@@ -63,7 +63,7 @@ struct NoSquish {
   struct HalfTurn {
     Real c, s;
     SILT_INLINE explicit HalfTurn(const Real& angle) {
-      // By the tangent of a quarter of the angle; its series errs by less than 1e-16.
+      // By the tangent of a quarter of the angle; the series errs by less than 1e-16.
       const Real one(1), x = Real(0.25) * angle, x2 = x * x;
       const Real t =
           x * (one + x2 * (Real(1.0 / 3) + x2 * (Real(2.0 / 15) + x2 * Real(17.0 / 315))));
@@ -73,7 +73,7 @@ struct NoSquish {
     }
 
    private:
-    /// The lanes whose angle is too large for the series.
+    /// Lanes with an angle too large for the series.
     void take_large(const Real& angle) {
       constexpr std::size_t W = sizeof(Real) / sizeof(double);
       alignas(64) double angles[W], cosines[W], sines[W];
@@ -84,7 +84,7 @@ struct NoSquish {
       c = load<Real>(cosines), s = load<Real>(sines);
     }
   };
-  /// q <- q exp(angle e/2) about axis 1, 2 or 3; the momentum stays in space, so that it turns back
+  /// q <- q exp(angle e/2) about axis 1, 2 or 3; the momentum is constant in space and rotates back
   /// in the body.
   template <int axis, class Real>
   static SILT_INLINE void turn(Real (&q)[4], Vec3<Real>& L, const Real& angle) {
@@ -100,12 +100,12 @@ struct NoSquish {
   }
 };
 
-/// Angular velocity by a third-order Runge-Kutta step of Euler's equations, orientation by the
-/// exact turn that it makes. Second order in the orientation, more accurate than NoSquish at the
-/// same step; but the energy of a free body slowly drifts. For scenes that dissipate.
+/// SPIRAL: angular velocity by a third-order Runge-Kutta step of Euler's equations, orientation by
+/// the exact rotation with it. Second order in the orientation, more accurate than NoSquish at the
+/// same step; but the energy of a free body drifts slowly. For dissipative scenes.
 /// Source: C. A. del Valle et al., Comput. Phys. Commun. 297 (2024) 109077 (SPIRAL, leapfrog form).
-///         Recalled, the print was not read; tests/physics/rotation.cpp has its order.
-/// Valid:  as NoSquish; where energy is lost anyway.
+///         Recalled: the print was not read; tests/physics/rotation.cpp confirms its order.
+/// Valid:  as NoSquish, in dissipative scenes.
 /// Units:  SI; angular momentum [kg m2/s] in body axes.
 /// Errors: none.
 /// Tests:  tests/physics/rotation.cpp.

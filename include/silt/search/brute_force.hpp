@@ -6,10 +6,10 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Looks at all pairs: O(N^2), the oracle that every other search is tested against.
+/// Tests all pairs, O(N^2). Reference for the tests of all other searches.
 ///
-/// Shapes: none. Units: SI. Errors: InputError for a sphere without a finite place or size.
-/// Tests: tests/search/searches.cpp.
+/// Shapes: none. Units: SI. Errors: InputError for a sphere without a finite position or size.
+/// Tests:  tests/search/searches.cpp.
 /// Source: none: the definition of a pair within reach.
 /// Valid:  every scene; for tests and small numbers of spheres.
 struct BruteForce {

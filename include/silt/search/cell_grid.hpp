@@ -15,16 +15,17 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Spheres sorted into the cells of a regular grid over their bounding box; neighbours are looked
-/// for in a sphere's own cell and those that follow it among the 26 around (half stencil).
+/// Uniform grid over the bounding box of the spheres. Neighbours are searched in a sphere's own
+/// cell and in half of the 26 cells around it (half stencil).
 ///
-/// The cell edge is the largest cutoff, 2 r_max + reach, grown so that there are at most 8 cells a
-/// sphere: O(N) in time and memory for spheres of similar size; for wide size distributions and
-/// nearly empty domains it stays right but slows down.
+/// The cell edge is the largest cutoff, 2 r_max + reach, increased where needed to at most 8 cells
+/// per sphere. Time and memory are O(N) for spheres of similar size. For wide size distributions
+/// and nearly empty domains the results are right, but the search is slow.
+///
 /// Source: M. P. Allen, D. J. Tildesley, Computer Simulation of Liquids, 2nd ed., section 5.3.
-/// Shapes: none. Units: SI. Errors: InputError for a sphere without a finite place or size.
-/// Tests: tests/search/searches.cpp (pair sets identical to BruteForce).
-/// Valid:  spheres of any sizes; fast where sizes are similar and the domain is not nearly empty.
+/// Shapes: none. Units: SI. Errors: InputError for a sphere without a finite position or size.
+/// Tests:  tests/search/searches.cpp (pair sets identical to BruteForce).
+/// Valid:  spheres of any sizes; fast for similar sizes in a domain that is not nearly empty.
 class CellGrid {
  public:
   template <class Domain>
@@ -48,7 +49,7 @@ class CellGrid {
     scan_all<Arch>(reach, domain, team, pairs);
   }
 
-  /// The first half of find(): sorts spheres into cells.
+  /// First half of find(): sorts spheres into cells.
   template <class Domain>
   void build(const SphereSet& spheres, double reach, const Domain& domain, const Team& team) {
     const auto rows = spheres.rows;
@@ -59,8 +60,8 @@ class CellGrid {
                                   [most](const auto& frame) { return frame.cells() <= most; });
     for (int d = 0; d < 2; ++d) cut_into_columns(frame_.count[d], columns_[d]);
 
-    // Counting sort: every part counts its spheres in every cell, then places them behind those of
-    // the parts before it. It is stable, so the order does not depend on the number of parts.
+    // Counting sort: each part counts its spheres in every cell, then places them after those of
+    // the preceding parts. The sort is stable; the order does not depend on the number of parts.
     const std::size_t parts = static_cast<std::size_t>(std::min(team.threads(), 8)), c = cells();
     cell_.resize(n), next_.assign(parts * c, 0), start_.resize(c + 1), spheres_.resize(n);
     team.for_parts(parts, [&](std::size_t part) {
@@ -100,9 +101,9 @@ class CellGrid {
   Cell cell_of(const Vec3d& p) const {
     return {frame_.along(p.x, 0), frame_.along(p.y, 1), frame_.along(p.z, 2)};
   }
-  /// The number of a cell: columns of about tile x tile cells one after the other, in a column
-  /// layer by layer. Spheres of neighbouring layers are then so near in memory that they stay in
-  /// the second-level cache from one layer to the next.
+  /// Number of a cell. Cells are numbered in columns of about tile x tile cells, and layer by layer
+  /// within a column. Spheres of neighbouring layers are then close in memory and stay in the
+  /// second-level cache from one layer to the next.
   std::uint32_t number(const Cell& c) const {
     const Span x = columns_[0][c.x], y = columns_[1][c.y];
     return static_cast<std::uint32_t>(
@@ -112,7 +113,7 @@ class CellGrid {
   struct Span {
     std::size_t from, length;
   };
-  /// The columns that hold the places 0 ... n-1.
+  /// The columns that contain positions 0 ... n-1.
   static void cut_into_columns(std::size_t n, std::vector<Span>& of) {
     const std::size_t columns = std::max<std::size_t>((n + tile / 2) / tile, 1);
     of.clear();
@@ -122,7 +123,7 @@ class CellGrid {
     }
   }
 
-  /// The spheres after a cell that its own must look at, as ranges; returns how many.
+  /// Spheres of the following cells that a cell must test, as ranges; returns their number.
   int ranges_after(const Cell& cell, std::array<Range, 26>& out) const {
     const std::size_t c = number(cell);
     std::array<std::size_t, 3> xs, ys, zs;
@@ -140,7 +141,7 @@ class CellGrid {
         }
     return found;
   }
-  /// The cells before, at and after k in direction d, each once; returns how many.
+  /// The cells before, at and after k in direction d, each once; returns their number.
   int around(std::size_t k, int d, std::array<std::size_t, 3>& out) const {
     const std::size_t n = frame_.count[d];
     int found = 0;
@@ -160,7 +161,7 @@ class CellGrid {
     int count = 0;
     std::size_t own_end = 0, further = 0;
     for (std::size_t p = from; p < to; ++p) {
-      if (p >= own_end) {  // the first sphere of a cell, or the first at all
+      if (p >= own_end) {  // the first sphere of a cell
         const Cell cell = cell_of({spheres_.x[p], spheres_.y[p], spheres_.z[p]});
         own_end = start_[number(cell) + 1];
         count = ranges_after(cell, ranges);

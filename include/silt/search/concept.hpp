@@ -12,20 +12,21 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The spheres that a search looks at.
+/// Input of a search: spheres.
 struct SphereSet {
   std::span<const PositionRow> rows;
   double largest_radius = 0;  // [m]
 };
 
-/// A neighbour search finds every pair of spheres whose surfaces are nearer than `reach` [m],
-/// exactly once, in an order that depends on positions alone (not on threads):
+/// Neighbour search: finds every pair of spheres with a surface distance below `reach` [m], exactly
+/// once. The order must depend on positions only, not on threads:
 ///   void find(SphereSet, double reach, const Domain&, const Team&, std::vector<IndexPair>& pairs)
-/// It does not know forces. Optional, found by name, for rows that are kept sorted:
+/// A search does not depend on forces. Optional members, detected by name, for rows that are kept
+/// sorted:
 ///   void order(SphereSet, double reach, const Domain&, const Team&, std::vector<std::uint32_t>&)
-///     the order in which neighbours lie close together in memory;
+///     an order in which neighbours are close in memory;
 ///   void find_ordered(double reach, const Domain&, const Team&, std::vector<IndexPair>& pairs)
-///     find() for the spheres of the last order(), which have been brought into that order since.
+///     find() for the spheres of the last order(), after they have been sorted into that order.
 template <class S>
 concept NeighbourSearch = requires(S s, const SphereSet& spheres, const OpenDomain& domain,
                                    const Team& team, std::vector<IndexPair>& pairs) {
@@ -34,7 +35,7 @@ concept NeighbourSearch = requires(S s, const SphereSet& spheres, const OpenDoma
 
 namespace detail {
 
-/// True if the surfaces of a and b are nearer than `reach`.
+/// True if the surface distance of a and b is below `reach`.
 template <class Domain>
 inline bool within_reach(const PositionRow& a, const PositionRow& b, double reach,
                          const Domain& domain) {

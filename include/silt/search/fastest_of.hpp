@@ -26,7 +26,7 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// The name of a type as the compiler writes it, without its namespaces.
+/// Name of a type as written by the compiler, without namespaces.
 template <class T>
 std::string_view type_name() {
 #if defined(__GNUC__)
@@ -40,8 +40,7 @@ std::string_view type_name() {
 #endif
 }
 
-/// Brings pairs into the one order that does not depend on how they were found: the lower number
-/// first, ascending.
+/// Sorts pairs into an order that does not depend on the search: lower number first, ascending.
 inline void sort_pairs(std::vector<IndexPair>& pairs, std::size_t spheres, const Team& team) {
   std::vector<std::uint32_t> next(spheres + 1, 0);
   for (IndexPair& p : pairs) {
@@ -60,7 +59,7 @@ inline void sort_pairs(std::vector<IndexPair>& pairs, std::size_t spheres, const
                   [](const IndexPair& p, const IndexPair& q) { return p.b < q.b; });
         continue;
       }
-      for (std::size_t k = first + 1; k < next[a]; ++k)  // mostly three or four
+      for (std::size_t k = first + 1; k < next[a]; ++k)  // usually three or four
         for (std::size_t j = k; j > first && sorted[j].b < sorted[j - 1].b; --j)
           std::swap(sorted[j], sorted[j - 1]);
     }
@@ -70,35 +69,35 @@ inline void sort_pairs(std::vector<IndexPair>& pairs, std::size_t spheres, const
 
 }  // namespace detail
 
-/// Tries several searches on the spheres that it is given and goes on with the fastest.
+/// Measures several searches on the spheres of the simulation and uses the fastest.
 ///
-///   silt::VerletList<silt::AutoSearch>{}               of those that silt has
-///   silt::FastestOf<silt::HashedGrid, MySearch>{}      of these
+///   silt::VerletList<silt::AutoSearch>{}               all searches of silt
+///   silt::FastestOf<silt::HashedGrid, MySearch>{}      the searches listed
 ///
-/// It tries them at the first search and whenever there are twice or half as many spheres: on some
-/// thousand that lie close together, then on eight times as many, and so on; one that takes more
-/// than three times as long as the best is given up, so that a search that does not suit the
-/// spheres costs little. report() says what was chosen, and why.
+/// It measures at the first search and when the number of spheres has doubled or halved. It starts
+/// with some thousand neighbouring spheres, then takes eight times as many, and so on. A search
+/// that takes more than three times as long as the best is dropped; an unsuitable search thus costs
+/// little. report() gives the choice and the reason.
 ///
-/// Pairs come in one order whichever search finds them, and order() is the same for all: results
-/// do not depend on the choice, to the last bit, only the time that they take does.
+/// Pairs come in the same order from every search, and order() is the same for all. The choice
+/// therefore changes only the run time; results are equal to the last bit.
 /// Shapes: none. Units: SI. Errors: those of the searches.
 /// Tests:  tests/search/fastest_of.cpp.
 /// Source: silt's own.
 /// Valid:  every scene for which its searches are valid.
 template <NeighbourSearch... Finders>
 class FastestOf {
-  static_assert(sizeof...(Finders) > 0, "FastestOf needs one search at least");
+  static_assert(sizeof...(Finders) > 0, "FastestOf needs at least one search");
 
  public:
-  /// What became of one candidate in the last trial.
+  /// Result of one candidate in the last measurement.
   struct Trial {
     std::string_view name;
     std::size_t spheres = 0;  // on which it was timed last
-    double time = 0;          // [s] that it took for them
-    bool given_up = false;    // because it took far longer than another
+    double time = 0;          // [s] time for them
+    bool given_up = false;    // it took far longer than another
   };
-  /// What a checkpoint keeps.
+  /// State kept in checkpoints.
   struct Choice {
     std::uint64_t finder = 0, spheres = 0;  // spheres: at the trial; 0: none yet
   };
@@ -126,11 +125,11 @@ class FastestOf {
     require(choice.finder < sizeof...(Finders), "FastestOf: there is no search ", choice.finder);
     choice_ = choice;
   }
-  /// The name of the search in use.
+  /// Name of the search in use.
   std::string_view chosen() const { return names()[choice_.finder]; }
-  /// All candidates of the last trial; none after a restart, which keeps the choice.
+  /// Candidates of the last measurement; empty after a restart, which keeps the choice.
   const std::vector<Trial>& trials() const { return trials_; }
-  /// What was chosen and why, in one sentence.
+  /// The choice and its reason, in one sentence.
   std::string report() const {
     if (choice_.spheres == 0) return "no search has been tried yet";
     std::string text = silt::text(chosen(), " for ", choice_.spheres, " spheres");
@@ -158,7 +157,7 @@ class FastestOf {
   template <class Domain>
   void choose(const SphereSet& spheres, double reach, const Domain& domain, const Team& team) {
     const std::size_t n = spheres.rows.size();
-    auto candidates = finders_;  // so that those not chosen leave no memory behind
+    auto candidates = finders_;  // a copy, which frees the memory of the others
     trials_.clear();
     for (const auto name : names()) trials_.push_back({.name = name});
     std::vector<std::uint32_t> order;
@@ -182,7 +181,7 @@ class FastestOf {
     choice_.spheres = std::max<std::size_t>(n, 1);
   }
 
-  /// The least of a few searches [s], the first of which fills caches and buffers.
+  /// Shortest of a few searches [s]; the first fills caches and buffers.
   template <class Domain>
   static double time_of(All& all, std::size_t k, const SphereSet& spheres, double reach,
                         const Domain& domain, const Team& team) {

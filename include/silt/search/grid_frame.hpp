@@ -14,23 +14,23 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Names the first sphere that a search cannot place.
+/// Reports the first sphere that a search cannot place.
 [[noreturn, gnu::cold]] inline void throw_not_finite(const SphereSet& spheres) {
   std::size_t k = 0;
   const auto& rows = spheres.rows;
   while (k + 1 < rows.size() && is_finite(rows[k].centre()) && std::isfinite(rows[k].r)) ++k;
   throw InputError(text("neighbour search: sphere ", k, " at ", rows[k].centre(),
                         " m with a reach of ", rows[k].r,
-                        " m has no finite place or size; leave it out, or find what made it so"));
+                        " m has no finite position or size; remove it, or find its cause"));
 }
 
-/// The box around all centres; in directions that repeat, the whole length. Refuses spheres without
-/// a finite place or size with an InputError.
+/// Bounding box of all centres; in periodic directions the whole length. InputError for a sphere
+/// without a finite position or size.
 template <class Domain>
 Box bounds_of(const SphereSet& spheres, const Domain& domain, const Team& team) {
   const auto rows = spheres.rows;
   std::array<Box, Team::most_ranges> boxes;
-  std::array<double, Team::most_ranges> sums{};  // not a number as soon as one summand is none
+  std::array<double, Team::most_ranges> sums{};  // NaN if any summand is
   team.for_ranges(rows.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
     Box box;
     double sum = 0;
@@ -54,16 +54,16 @@ Box bounds_of(const SphereSet& spheres, const Domain& domain, const Team& team) 
   return bounds;
 }
 
-/// Regular cells in a box, none narrower than a cutoff: spheres within the cutoff of each other lie
-/// in the same cell or in two that share a face, an edge or a corner.
+/// Regular cells in a box, none narrower than a cutoff. Spheres within the cutoff of each other are
+/// in the same cell or in cells that share a face, an edge or a corner.
 ///
-/// In a direction that repeats there are at least three cells or just one, so that the cells before
-/// and after a cell are two others or none.
+/// A periodic direction has at least three cells or just one: the cells before and after a cell are
+/// then two other cells, or none.
 struct GridFrame {
   std::array<double, 3> low{};                // [m]
   std::array<double, 3> per_length{};         // [1/m] cells; 0: one cell
   std::array<std::size_t, 3> count{1, 1, 1};  // cells
-  std::array<bool, 3> wraps{};                // the last cell lies beside the first
+  std::array<bool, 3> wraps{};                // the last cell is next to the first
 
   GridFrame() = default;
   template <class Domain>
@@ -72,8 +72,8 @@ struct GridFrame {
     const double length[3] = {e.x, e.y, e.z};
     const double from[3] = {bounds.min.x, bounds.min.y, bounds.min.z};
     for (int d = 0; d < 3; ++d) {
-      // Wider by more than the rounding of a centre's place in the grid, so that no two spheres
-      // within the cutoff are two cells apart.
+      // Wider than the cutoff by more than the rounding of positions: no two spheres within the
+      // cutoff are two cells apart.
       const double edge = cutoff * (1 + 1e-9) + 1e-15 * length[d];
       double cells = std::clamp(std::floor(length[d] / edge), 1.0, 0x1p52);
       bool repeats = false;
@@ -90,16 +90,16 @@ struct GridFrame {
     return static_cast<double>(count[0]) * static_cast<double>(count[1]) *
            static_cast<double>(count[2]);
   }
-  /// The place of a coordinate in direction d: 0 ... count[d] - 1.
+  /// Cell index of a coordinate in direction d: 0 ... count[d] - 1.
   std::size_t along(double x, int d) const {
     const double c = (x - low[d]) * per_length[d];
     return c <= 0 ? 0 : std::min(count[d] - 1, static_cast<std::size_t>(c));
   }
-  /// The width of a cell [m]; infinite if there is just one.
+  /// Width of a cell [m]; infinite if there is only one.
   double edge(int d) const { return 1 / per_length[d]; }
 };
 
-/// The finest cells of at least `cutoff` [m] of which `fits` holds: they grow until it does.
+/// Finest cells of at least `cutoff` [m] that satisfy `fits`; they grow until they do.
 template <class Domain, class Fits>
 GridFrame finest_frame(const Box& bounds, double cutoff, const Domain& domain, const Fits& fits) {
   const Vec3d e = bounds.extent();

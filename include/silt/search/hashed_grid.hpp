@@ -15,25 +15,25 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Grids of occupied cells alone: time and memory follow the number of spheres, however large and
-/// empty the domain is. Spheres of different sizes lie in several grids, each with cells that fit
-/// them (see Levels).
+/// Grid that stores only occupied cells. Time and memory are proportional to the number of spheres,
+/// for any size of the domain. Spheres of different sizes are in several grids with cells that
+/// match their sizes (see Levels).
 ///
 ///   silt::HashedGrid{}                        levels chosen from the sizes
-///   silt::HashedGrid{silt::sub_grid(0.2)}     a sub-grid for fines
+///   silt::HashedGrid{silt::sub_grid(0.2)}     one additional grid for small spheres
 ///   silt::HashedGrid{silt::one_level}         one grid for all
 ///
-/// Within a level, each row of cells is looked at together with the four rows that follow it among
-/// the eight around, in windows that move along x (half stencil). Across levels either each coarse
-/// sphere looks at the chords that it cuts out of rows of fines, or each few fines of a row at the
-/// coarse spheres that reach the box around them: what is cheaper for their numbers.
-/// Cells are found in sorted lists (OccupiedRows), which is faster than in a hash table.
-/// Valid:  at most 2^32 - 1 spheres. Keys have 64 bits, the sphere's number included; cells grow
-///         where they do not suffice (1e6 spheres: from 1e13 cells on).
-/// Shapes: none. Units: SI. Errors: InputError for levels that cannot be, and for a sphere without
-///         a finite place or size.
+/// Within a level, each row of cells is tested against four of the eight rows around it (half
+/// stencil), in windows that move along x. Between levels either each coarse sphere tests the parts
+/// of rows of fine spheres within its reach, or groups of a few fine spheres of a row test the
+/// coarse spheres that reach their bounding box; the cheaper method is chosen by their numbers.
+/// Despite its name it uses sorted lists (OccupiedRows), which are faster than a hash table.
+/// Valid:  at most 2^32 - 1 spheres. Keys have 64 bits, including the sphere's number; where they
+///         do not suffice cells are enlarged (1e6 spheres: from 1e13 cells on).
+/// Shapes: none. Units: SI. Errors: InputError for invalid levels, and for a sphere without a
+///         finite position or size.
 /// Tests:  tests/search/searches.cpp (pair sets identical to BruteForce), tests/search/levels.cpp.
-/// Source: of levels and sub-grids: Levels (search/levels.hpp); the search along rows is silt's.
+/// Source: levels and sub-grids: see Levels (search/levels.hpp); the search along rows is silt's.
 class HashedGrid {
  public:
   HashedGrid() = default;
@@ -56,14 +56,14 @@ class HashedGrid {
     });
   }
 
-  /// The first half of find(): sorts spheres into rows.
+  /// First half of find(): sorts spheres into rows.
   template <class Domain>
   void build(const SphereSet& spheres, double reach, const Domain& domain, const Team& team) {
     grid_.sort(spheres, reach, domain, team, levels_);
     plan_.make(grid_);
   }
 
-  /// The cutoffs [m] up to which spheres lay in each level at the last search, the coarsest first.
+  /// Largest cutoffs [m] of the spheres of each level at the last search, coarsest first.
   std::vector<double> cutoffs() const {
     std::vector<double> all;
     for (const auto& level : grid_.levels()) all.push_back(level.cutoff);

@@ -12,13 +12,13 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// How many bits hold the numbers 0 ... n-1.
+/// Number of bits for the numbers 0 ... n-1.
 inline int bits_for(std::size_t n) {
   return static_cast<int>(std::bit_width(n - std::min<std::size_t>(n, 1)));
 }
 
-/// Sorts keys by some of their bits, stably, digit by digit from the lowest (radix sort): O(n) for
-/// each digit of at most 11 bits. The order does not depend on the number of threads.
+/// Radix sort of keys by some of their bits: stable, O(n) per digit of at most 11 bits, from the
+/// lowest digit. The order does not depend on the number of threads.
 template <class Key>
 class KeySort {
  public:

@@ -11,21 +11,21 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Which spheres look for which across levels, and what that costs.
+/// Which level searches which between levels, and the cost.
 class LevelPlan {
  public:
   void make(const OccupiedRows& grid);
-  /// True if spheres of level `coarse` look for those of level `fine`.
+  /// True if spheres of level `coarse` search for those of level `fine`.
   bool coarse_look(std::size_t coarse, std::size_t fine) const {
     return coarse_look_[coarse * count_ + fine];
   }
-  /// The row at which a part of the work begins.
+  /// The row where a part of the work begins.
   std::size_t first_row(std::size_t part, std::size_t parts, const OccupiedRows& grid) const;
 
  private:
   std::size_t count_ = 0;
   std::vector<std::uint8_t> coarse_look_;  // by coarse and fine level
-  std::vector<double> work_;               // of the levels before each, and of all [ns]
+  std::vector<double> work_;               // [ns] of the levels before each, and of all
 };
 
 inline void LevelPlan::make(const OccupiedRows& grid) {
@@ -61,7 +61,7 @@ inline std::size_t LevelPlan::first_row(std::size_t part, std::size_t parts,
   const std::size_t from = grid.levels()[l].first_sphere,
                     to = l + 1 < count_ ? grid.levels()[l + 1].first_sphere : grid.spheres().size();
   const double share = (before - work_[l]) / std::max(work_[l + 1] - work_[l], 1e-9);
-  const double inside = share > 0 ? std::min(share, 1.0) : 0;  // no number where cutoffs are 0
+  const double inside = share > 0 ? std::min(share, 1.0) : 0;  // NaN where cutoffs are 0
   const auto sphere = from + static_cast<std::size_t>(inside * static_cast<double>(to - from));
   return sphere >= grid.spheres().size() ? grid.rows() : grid.row_of(sphere);
 }

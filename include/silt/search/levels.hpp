@@ -17,19 +17,19 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Into which grids a search sorts spheres of different sizes, the coarsest first.
+/// Grids of a search for spheres of different sizes, coarsest first.
 ///
-///   Levels{}                 as many as pay, with cells that fit the sizes there are
+///   Levels{}                 as many as reduce the time, with cells that match the sizes
 ///   one_level                one grid for all
-///   sub_grid(0.2)            one more grid for fines, of cells 0.2 as wide as those of the coarse
-///   Levels{.ratio = 0.5, .most = 8}    each of half the width of the one before
+///   sub_grid(0.2)            one additional grid for small spheres, with cells 0.2 times as wide
+///   Levels{.ratio = 0.5, .most = 8}    cells half as wide as those of the level before
 ///
-/// A sphere belongs to the finest grid whose cells are as wide as its own cutoff, 2 r + reach.
-/// Errors: InputError for a ratio outside (0, 1] or no level at all.
+/// A sphere belongs to the finest grid whose cells are at least as wide as its cutoff, 2 r + reach.
+/// Errors: InputError for a ratio outside (0, 1] or most = 0.
 /// Source: sub-grid: T. Brosh, H. Kalman, A. Levy, Particuology 12 (2014) 113, whose best ratio is
 /// 1/5; levels for all sizes: V. Ogarko, S. Luding, Comput. Phys. Commun. 183 (2012) 931.
 struct Levels {
-  std::optional<double> ratio = {};  // [-] of widths of cells; left out: chosen from the sizes
+  std::optional<double> ratio = {};  // [-] of cell widths; left out: chosen from the sizes
   std::size_t most = 16;             // [-] levels
 
   void check() const {
@@ -40,12 +40,12 @@ struct Levels {
 };
 /// One grid for all sizes.
 inline constexpr Levels one_level{.ratio = {}, .most = 1};
-/// One more grid for fines, of cells `ratio` [-] as wide as those of the coarse.
+/// One additional grid for small spheres, with cells `ratio` [-] times as wide as the others.
 constexpr Levels sub_grid(double ratio) { return {.ratio = ratio, .most = 2}; }
 
 namespace detail {
 
-/// Counts of spheres by cutoff, eight classes an octave, the smallest first.
+/// Numbers of spheres by cutoff, eight classes per octave, smallest first.
 class CutoffHistogram {
  public:
   struct Class {
@@ -87,14 +87,14 @@ class CutoffHistogram {
   std::vector<Class> classes_;
 };
 
-// What a search takes [ns], read off benchmarks/search; sets the speed alone.
-inline constexpr double own_level_cost = 30;  // a sphere that has few around it
+// Time of a search [ns], fitted to benchmarks/search; affects only the speed.
+inline constexpr double own_level_cost = 30;  // per sphere with few spheres around it
 
 struct AcrossLevels {
   double coarse_look, fines_look;  // [ns]
 };
-/// What it takes to find the pairs between two levels if the coarse spheres look at all rows of
-/// fines that they meet, and if the fines look at the coarse cells around them.
+/// Time to find the pairs between two levels: if coarse spheres test all rows of fine spheres in
+/// reach, and if fine spheres test the coarse cells around them.
 inline AcrossLevels across_levels(double coarse, double coarse_cutoff, double fines,
                                   double fine_cutoff) {
   constexpr double a_row = 22, a_fine = 100;
@@ -102,14 +102,15 @@ inline AcrossLevels across_levels(double coarse, double coarse_cutoff, double fi
   return {coarse * layers * layers * a_row, fines * a_fine};
 }
 
-/// Cuts classes of sizes into at most `most` levels such that a search takes about the least;
-/// returns the largest cutoff of each, the coarsest first.
+/// Divides size classes into at most `most` levels with about the least search time; returns the
+/// largest cutoff of each, coarsest first.
 ///
-/// A sphere looks at some 10 n v/V others of a level of n spheres and cells of volume v, in a bed
-/// of volume V. Best partitions of the smaller classes are extended by one level after the other.
+/// In a bed of volume V a sphere tests some 10 n v/V others of a level of n spheres and cells of
+/// volume v. Dynamic programming: the best partitions of the smaller classes are extended by one
+/// level.
 inline std::vector<double> cheapest_levels(const std::vector<CutoffHistogram::Class>& classes,
                                            double reach, std::size_t most) {
-  constexpr double least = 20, base = 10, look = 5;  // [ns] a sphere; 10 others take one `look`
+  constexpr double least = 20, base = 10, look = 5;  // [ns] per sphere; 10 others take one `look`
   constexpr double volume_a_cube = 1.1;              // of a bed: of the cube around a sphere
   const std::size_t n = classes.size();
   double volume = 0;                    // [m3]
@@ -120,7 +121,7 @@ inline std::vector<double> cheapest_levels(const std::vector<CutoffHistogram::Cl
     finer[k + 1] = finer[k] + count;
   }
   volume = std::max(volume, std::numeric_limits<double>::min());
-  // best(l, k): of the classes 0 ... k-1 in at most l + 1 levels; the last of them begins at `cut`.
+  // best(l, k): classes 0 ... k-1 in at most l + 1 levels; the last of these begins at `cut`.
   struct Best {
     double cost = std::numeric_limits<double>::infinity();
     std::size_t cut = 0;
@@ -128,7 +129,7 @@ inline std::vector<double> cheapest_levels(const std::vector<CutoffHistogram::Cl
   most = std::min(most, n);
   std::vector<Best> all(most * (n + 1));
   const auto best = [&](std::size_t l, std::size_t k) -> Best& { return all[l * (n + 1) + k]; };
-  const double level_cost = 2000 + finer[n];  // [ns] one more must gain something
+  const double level_cost = 2000 + finer[n];  // [ns] minimum gain of another level
   const auto own_cost = [&](std::size_t from, std::size_t to) {
     const double spheres = finer[to] - finer[from], e = classes[to - 1].largest;
     const double around = std::min(spheres * e * e * e / volume, spheres / 10);
@@ -158,7 +159,7 @@ inline std::vector<double> cheapest_levels(const std::vector<CutoffHistogram::Cl
   return cutoffs;
 }
 
-/// The cutoffs [m] of the levels, the coarsest first.
+/// Cutoffs [m] of the levels, coarsest first.
 inline std::vector<double> choose_levels(const SphereSet& spheres, double reach,
                                          const Levels& levels, const Team& team) {
   const double largest = 2 * spheres.largest_radius + reach;  // [m]

@@ -14,21 +14,21 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// No binary search: spheres in linked lists of layers, rows of a layer and cells of a row, of
-/// which only those in work exist, so that memory grows with the spheres and the number of cells in
-/// each of the three directions, not with their product.
+/// NBS (no binary search): spheres are in linked lists of layers, of rows in a layer, and of cells
+/// in a row. Only the lists in use exist. Memory is proportional to the number of spheres plus the
+/// number of cells along each direction, not to the number of cells.
 ///
-/// A row is looked at together with the row before it and the three near it in the layer before:
-/// 13 of the 26 cells around a cell (half stencil). One of them is opened for a sphere only if the
-/// face, edge or corner that they share is nearer than the sphere's contact range.
-/// Cells are as wide as the largest cutoff, 2 r_max + reach (wider beyond 8 N + 64 cells in a
-/// direction): for spheres of similar size.
+/// A row is tested against the row before it and three rows of the layer before: 13 of the 26 cells
+/// around a cell (half stencil). A cell is opened for a sphere only if the shared face, edge or
+/// corner is within the sphere's contact range. Cells are as wide as the largest cutoff, 2 r_max +
+/// reach (wider beyond 8 N + 64 cells in a direction), which suits spheres of similar size.
+///
 /// Source: A. Munjiza, K. R. F. Andrews, Int. J. Numer. Meth. Engng 43 (1998) 131; proximity of
-/// edges: T. Brosh, H. Kalman, A. Levy, Particuology 12 (2014) 113. Theirs moves each sphere as
-/// soon as its contacts are known; here all are found at one instant. Shapes: none. Units: SI.
-/// Errors: InputError for a sphere without a finite place or size. Tests: tests/search/searches.cpp
-/// (pair sets identical to BruteForce).
-/// Valid:  spheres of any sizes; fast where sizes are similar.
+///         edges: T. Brosh, H. Kalman, A. Levy, Particuology 12 (2014) 113. Their method moves each
+///         sphere as soon as its contacts are known; here all pairs are found at one instant.
+/// Shapes: none. Units: SI. Errors: InputError for a sphere without a finite position or size.
+/// Tests:  tests/search/searches.cpp (pair sets identical to BruteForce).
+/// Valid:  spheres of any sizes; fast for similar sizes.
 class Nbs {
  public:
   template <class Domain>
@@ -48,7 +48,7 @@ class Nbs {
     });
   }
 
-  /// The first half of find(): lists the spheres of each layer.
+  /// First half of find(): lists the spheres of each layer.
   template <class Domain>
   void build(const SphereSet& spheres, double reach, const Domain& domain, const Team& team) {
     const std::size_t n = spheres.rows.size();
@@ -112,15 +112,15 @@ class Nbs {
   double range_ = 0, margin_ = 0;  // [m] reach of a sphere beyond its radius; for rounding
   std::vector<Cell> cell_;         // of each sphere
   std::vector<Layer> layers_;      // that hold spheres
-  std::vector<std::uint32_t> layer_, size_;  // of each z: its first sphere, how many
-  // The next sphere of a list. A layer and its rows may be in work twice at a time, as those that
-  // are looked at (0) and as those before them (1).
+  std::vector<std::uint32_t> layer_, size_;  // for each z: its first sphere, their number
+  // Next sphere of a list. A layer and its rows may be in use twice at a time: as those that are
+  // tested (0) and as those before them (1).
   std::vector<std::uint32_t> in_layer_;
   std::array<std::vector<std::uint32_t>, 2> in_row_, in_cell_;
   detail::FoundInParts found_;
 };
 
-/// Looks at one layer after the other.
+/// Processes one layer after the other.
 template <class Domain>
 class Nbs::Sweep {
  public:
@@ -144,7 +144,7 @@ class Nbs::Sweep {
   }
 
  private:
-  // Rows in work: the one looked at, that before it, and three of the layer before.
+  // Rows in use: the current one, the one before it, and three of the layer before.
   static constexpr int rows_in_work = 5;
   static constexpr int dy[rows_in_work] = {0, -1, -1, 0, 1}, dz[rows_in_work] = {0, 0, 1, 1, 1};
 
@@ -155,8 +155,8 @@ class Nbs::Sweep {
     return outside ? (step < 0 ? n - 1 : 0) : k + static_cast<std::uint32_t>(step);
   }
 
-  /// Lists come out in the order of the spheres' numbers, backwards in layers and cells of rows
-  /// alternately; which one matters to none.
+  /// Lists are in the order of the spheres' numbers, reversed alternately in layers and cells of
+  /// rows. The direction does not matter.
   void list_rows(std::uint32_t z, int which) {
     for (std::uint32_t k = nbs_.layer_[z]; k != none; k = nbs_.in_layer_[k]) {
       auto& head = row_[which][nbs_.cell_[k].y];
@@ -220,7 +220,7 @@ class Nbs::Sweep {
   const Domain& domain_;
   detail::PairBuffer& found_;
   std::array<std::vector<std::uint32_t>, 2> row_;  // first spheres of the rows of both layers
-  std::array<std::vector<std::uint32_t>, rows_in_work> cells_;  // and of the cells of rows in work
+  std::array<std::vector<std::uint32_t>, rows_in_work> cells_;  // and of the cells of rows in use
 };
 
 static_assert(NeighbourSearch<Nbs>);

@@ -17,12 +17,12 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Spheres sorted by level, by row of cells, and in a row by x, and a list of the rows that hold
-/// any: time and memory follow the number of spheres, not of cells.
+/// Spheres sorted by level, by row of cells, and by x within a row, with a list of the occupied
+/// rows. Time and memory are proportional to the number of spheres, not of cells.
 ///
-/// A row is all cells of a level with the same y and z. A key holds, from the highest bit, level,
-/// z, y and the sphere's place along x, coarsely, and its number. Rows are found in the sorted list
-/// of their keys, by moving on from the one asked for last.
+/// A row contains all cells of a level with the same y and z. A key contains, from the highest bit,
+/// level, z, y, a coarse position along x, and the sphere's number. Rows are found in the sorted
+/// list of their keys, starting at the last one that was found.
 class OccupiedRows {
  public:
   struct Level {
@@ -57,7 +57,7 @@ class OccupiedRows {
   }
 
   const std::vector<Level>& levels() const { return levels_; }
-  double scale() const { return scale_; }  // [m] largest coordinate: what rounding is relative to
+  double scale() const { return scale_; }  // [m] largest coordinate: the scale of rounding
   const SphereColumns& spheres() const { return spheres_; }
   std::size_t rows() const { return row_key_.size(); }
 
@@ -74,7 +74,7 @@ class OccupiedRows {
     return y | z << (bits_.z - bits_.y) | shifted(level, bits_.level - bits_.y);
   }
 
-  /// The first row whose key is not less than `key`; looks near row `at` first.
+  /// First row with a key of at least `key`; tests rows near `at` first.
   std::size_t seek(std::size_t at, std::uint64_t key) const {
     const std::size_t n = row_key_.size();
     const std::uint64_t* const keys = row_key_.data();
@@ -91,14 +91,14 @@ class OccupiedRows {
   bool is_before(std::size_t row, std::uint64_t end_key) const {
     return row < row_key_.size() && row_key_[row] < end_key;
   }
-  /// The row of a sphere.
+  /// Row of a sphere.
   std::size_t row_of(std::size_t sphere) const {
     const auto after = std::upper_bound(row_start_.begin(), row_start_.end(), sphere);
     return static_cast<std::size_t>(after - row_start_.begin()) - 1;
   }
-  /// In a row, spheres are less than this before those that they come after [m].
+  /// A sphere in a row may be out of order by up to this distance [m].
   double disorder() const { return disorder_; }
-  /// A sphere of a range of a row from which on all are that are not before x.
+  /// A sphere of a row range after which all are at or beyond x.
   std::size_t first_from(SphereRange range, double x) const {
     const double* const xs = spheres_.x.data();
     std::size_t from = range.begin;
@@ -110,13 +110,13 @@ class OccupiedRows {
     return from;
   }
 
-  /// A sphere of a range of a row from which on all are beyond x, as far as rounding can tell.
+  /// A sphere of a row range after which all are beyond x, within rounding.
   std::size_t first_beyond(SphereRange range, double x) const {
     return first_from(range, x + 2 * disorder_);
   }
 
  private:
-  /// Where the parts of a key begin.
+  /// First bits of the parts of a key.
   struct KeyBits {
     int x, y, z, level, end;
   };
@@ -134,7 +134,7 @@ class OccupiedRows {
     for (const Vec3d& p : {bounds.min, bounds.max})
       if (!empty) scale_ = std::max({scale_, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
     const auto cutoffs = choose_levels(spheres, reach, wanted, team);
-    for (double grown = 1;; grown *= 1.26) {  // until the keys have room for all rows
+    for (double grown = 1;; grown *= 1.26) {  // until the keys can hold all rows
       levels_.clear();
       std::array<std::size_t, 3> most{1, 1, 1};  // cells
       for (const double cutoff : cutoffs) {
@@ -142,7 +142,7 @@ class OccupiedRows {
         levels_.push_back({cutoff, GridFrame(bounds, edge, domain)});
         for (int d = 0; d < 3; ++d) most[d] = std::max(most[d], levels_.back().frame.count[d]);
       }
-      // Eight places along x for each cell, if there is room.
+      // Eight positions along x for each cell, if there are enough bits.
       const int name = bits_for(spheres.rows.size()), level = bits_for(levels_.size()),
                 row = bits_for(most[1]) + bits_for(most[2]);
       const int place = std::min(bits_for(most[0]) + 3, 64 - name - level - row);
@@ -179,7 +179,7 @@ class OccupiedRows {
 
   std::vector<Level> levels_;
   double scale_ = 0, length_x_ = 0;
-  double places_ = 1, disorder_ = 0;  // along x that keys tell apart; width of each [m]
+  double places_ = 1, disorder_ = 0;  // along x that keys distinguish; width of each [m]
   KeyBits bits_{};
   std::vector<std::uint64_t> keys_;
   KeySort<std::uint64_t> sort_;

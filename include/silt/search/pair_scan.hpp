@@ -14,11 +14,11 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Pairs found, in room that grows before it is written to.
+/// Buffer of pairs that is enlarged before it is written to.
 class PairBuffer {
  public:
   PairBuffer() = default;
-  PairBuffer(const PairBuffer&) : PairBuffer() {}  // a copy begins empty, in room of its own
+  PairBuffer(const PairBuffer&) : PairBuffer() {}  // a copy begins empty, with its own memory
   PairBuffer& operator=(const PairBuffer& other) {
     if (this != &other) take({});
     return *this;
@@ -27,18 +27,18 @@ class PairBuffer {
   void clear() { next_ = room_.data(); }
   std::size_t size() const { return static_cast<std::size_t>(next_ - room_.data()); }
   const IndexPair* data() const { return room_.data(); }
-  /// Gives the room back if it is large: a search is rare, its memory would lie idle.
+  /// Frees the memory if it is large: searches are rare.
   void give_back() {
     if (room_.size() > 100000) take({});
   }
-  /// Where `more` pairs can be written.
+  /// Space for `more` pairs.
   SILT_INLINE IndexPair* room_for(std::size_t more) {
     if (static_cast<std::size_t>(end_ - next_) < more) grow(more);
     return next_;
   }
   SILT_INLINE void take_up_to(IndexPair* end) { next_ = end; }
   void put(const IndexPair& pair) { *room_for(1) = pair, ++next_; }
-  /// Hands the pairs over and takes what room `pairs` has in exchange.
+  /// Moves the pairs to `pairs` and takes its memory in exchange.
   void hand_over(std::vector<IndexPair>& pairs) {
     room_.resize(size()), room_.swap(pairs);
     room_.resize(room_.capacity());
@@ -60,19 +60,20 @@ class PairBuffer {
   IndexPair *next_ = nullptr, *end_ = nullptr;
 };
 
-/// Spheres in the order in which a grid keeps them, component by component.
+/// Spheres in the order of a grid, component by component.
 struct SphereColumns {
-  static constexpr std::size_t padding = 8;  // the widest pack of lanes: columns go on by as many
+  static constexpr std::size_t padding = 8;  // the widest pack of lanes; columns are padded by as
+                                             // many
 
   std::vector<double> x, y, z, r;   // [m]
-  std::vector<std::uint32_t> name;  // place in the rows that were given
+  std::vector<std::uint32_t> name;  // position in the rows that were given
 
   std::size_t size() const { return name.size() - padding; }
   void resize(std::size_t n) {
     for (auto* component : {&x, &y, &z, &r}) component->resize(n + padding, 0.0);
     name.resize(n + padding);
   }
-  /// Fills the components of all spheres from the rows of their names.
+  /// Fills the components of all spheres from the rows with their names.
   void take(std::span<const PositionRow> rows, const Team& team) {
     team.for_ranges(size(), [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k) {
@@ -88,10 +89,10 @@ struct SphereRange {
   std::size_t begin, end;
 };
 
-/// Which images of a sphere along x count as its place, in a box that repeats.
+/// Images of a sphere along x that are tested in a periodic box.
 enum class Images { Any, Direct, AcrossFaces };
 
-/// Looks for the partners of one sphere of columns, as many at a time as there are lanes.
+/// Searches for the partners of one sphere in columns, as many at a time as there are lanes.
 template <class Arch, class Domain>
 class PartnerScan {
   using Real = typename Lanes<Arch>::Real;
@@ -112,16 +113,16 @@ class PartnerScan {
         reach_(reach),
         name_(names_[p]) {}
 
-  /// Writes the pairs with spheres of `range` that are nearer than the reach; returns where the
-  /// next one goes. There must be room for as many as the range holds, and `width` more.
+  /// Writes the pairs with spheres of `range` within the reach; returns the end of the output,
+  /// which must have space for the length of the range plus `width`.
   SILT_INLINE IndexPair* operator()(SphereRange range, IndexPair* out) const {
     for (std::size_t q = range.begin; q < range.end; q += width)
       out = look(q, range.end, load_any<Real>(x_ + q), out);
     return out;
   }
 
-  /// The same for the spheres from `low` on, whose x ascend, if only nearly: no x may be less than
-  /// an earlier one by more than x_begin and x_end [m] allow for. Looks at all that are not before
+  /// The same for the spheres from `low` on, whose x ascend approximately: no x may be smaller than
+  /// an earlier one by more than x_begin and x_end [m] allow for. Tests all that are not before
   /// x_begin or beyond x_end, and moves `low` past those before.
   template <Images Which = Images::Any>
   SILT_INLINE void sweep(std::size_t& low, std::size_t end, double x_begin, double x_end,
@@ -168,11 +169,11 @@ class PartnerScan {
   std::uint32_t name_;
 };
 
-/// Pairs that are found in parts, each in its own buffer, and put one after the other.
+/// Pairs found in parts, each with its own buffer, and concatenated.
 class FoundInParts {
  public:
-  /// Calls find(part, parts, buffer) for each part and fills `pairs` with what they found. With
-  /// threads there are more parts: part after part, the pairs must come out the same.
+  /// Calls find(part, parts, buffer) for each part and fills `pairs` with the results. The number
+  /// of parts depends on the threads; the pairs in sequence must not.
   template <class Find>
   void operator()(const Team& team, std::vector<IndexPair>& pairs, const Find& find) {
     const std::size_t parts = team.threads() > 1 ? 8 * static_cast<std::size_t>(team.threads()) : 1;

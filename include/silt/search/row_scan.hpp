@@ -17,8 +17,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Finds the pairs of one row of a HashedGrid after the other: those within its level, and those
-/// with other levels that the plan has it look for.
+/// Finds the pairs of a HashedGrid row by row: those within the level of the row, and those with
+/// other levels that the plan assigns to it.
 template <class Arch, class Domain>
 class RowScan {
  public:
@@ -62,7 +62,7 @@ class RowScan {
     const auto& [cutoff, frame, first_row, first_sphere] = grid_.levels()[level];
     open_neighbours(row, level, frame);
     if constexpr (Domain::periodic) {
-      if (domain_.repeats(0) && !frame.wraps[0])  // so short that any of a row may be near
+      if (domain_.repeats(0) && !frame.wraps[0])  // so short that any sphere of a row may be near
         return sweep_own_level<Images::Any>(row, INFINITY);
       if (frame.wraps[0]) sweep_across_faces(row, cutoff);
       return sweep_own_level<Images::Direct>(row, cutoff);
@@ -84,7 +84,7 @@ class RowScan {
                                           found_);
     }
   }
-  /// The same beyond the ends of a box that repeats along x.
+  /// The same across the ends of a box that is periodic along x.
   void sweep_across_faces(std::size_t row, double cutoff) {
     const double low = domain_.box().min.x, length = domain_.length(0),
                  around = cutoff + slack_for(cutoff);
@@ -103,13 +103,12 @@ class RowScan {
       }
     }
   }
-  /// What an interval along x must be longer by, for the disorder of rows and for rounding [m].
+  /// Enlargement [m] of an interval along x for the disorder of rows and for rounding.
   double slack_for(double cutoff) const {
     return grid_.disorder() + 1e-9 * cutoff + 1e-15 * grid_.scale();
   }
 
-  /// Opens the rows that follow `row` among the eight around it: the next of its layer, and three
-  /// of the next layer.
+  /// Opens four of the eight rows around `row`: the next of its layer, and three of the next layer.
   void open_neighbours(std::size_t row, std::size_t level, const Frame& frame) {
     const std::size_t y = grid_.y_of(row), z = grid_.z_of(row), end_y = frame.count[1];
     const bool last_layer = z + 1 == frame.count[2];
@@ -127,7 +126,7 @@ class RowScan {
       if ((across == 0 ? end_y - 1 : 0) == y)
         open(grid_.seek(cursor_, grid_.row_key(level, across, next)), level, across, across, next);
   }
-  /// Opens those of the rows from `at` on that belong to y_from ... y_to of a layer.
+  /// Opens the rows from `at` on that belong to y_from ... y_to of a layer.
   void open(std::size_t at, std::size_t level, std::size_t y_from, std::size_t y_to,
             std::size_t z) {
     const std::uint64_t first = grid_.row_key(level, y_from, z), last = first + (y_to - y_from);
@@ -137,7 +136,7 @@ class RowScan {
 
   // --- across levels ------------------------------------------------------------------------
 
-  /// The largest cutoff between spheres of two levels, and some for rounding [m].
+  /// Largest cutoff between spheres of two levels, plus a margin for rounding [m].
   double cutoff_between(std::size_t a, std::size_t b) {
     const double cutoff = 0.5 * (grid_.levels()[a].cutoff + grid_.levels()[b].cutoff);
     margin_ = 1e-9 * cutoff + 1e-15 * grid_.scale();
@@ -145,8 +144,7 @@ class RowScan {
   }
 
   /// Calls visit(from, to, turn) for the cells that an interval [m] meets: those in the box, and
-  /// those that are meant by what lies one length `turn` = -1 or 1 beyond. `turn` is `everywhere`
-  /// where all cells are met.
+  /// those of the images at `turn` = -1 or 1. `turn` is `everywhere` if all cells are met.
   static constexpr int everywhere = 2;
   template <class Visit>
   static SILT_INLINE void for_cells(double low, double high, const Frame& frame, int d,
@@ -167,7 +165,7 @@ class RowScan {
     part(std::max(from, cells) - cells, to - cells, 1);
   }
 
-  /// A few spheres of a row that lie close together.
+  /// A few neighbouring spheres of a row.
   struct Block {
     Range spheres;
     Box box;         // [m] around their centres
@@ -193,13 +191,13 @@ class RowScan {
     }
   }
 
-  /// A row of another level; y and z between which its centres lie [m].
+  /// A row of another level; y and z that contain its centres [m].
   struct Strip {
     Range spheres;
     double y_low, y_high, z_low, z_high;
   };
 
-  /// Opens the rows of a level that are nearer to the row in work than `around`.
+  /// Opens the rows of a level that are nearer than `around` to the current row.
   void open_strips(std::size_t level, double around) {
     const Frame& frame = grid_.levels()[level].frame;
     strips_.clear();
@@ -232,8 +230,8 @@ class RowScan {
     return {frame.low[d] + cell * frame.edge(d), frame.low[d] + (cell + 1) * frame.edge(d)};
   }
 
-  /// Calls visit(first, end, x_end) for the parts of a strip that may hold spheres between x = low
-  /// and high [m]: spheres first ... end-1, as far as they are not beyond x_end. None is in two.
+  /// Calls visit(first, end, x_end) for the disjoint parts of a strip that may contain spheres
+  /// between x = low and high [m]: spheres first ... end-1 that are not beyond x_end.
   template <class Visit>
   SILT_INLINE void for_stretch(const Strip& s, double low, double high, const Visit& visit) {
     const Range all = s.spheres;
@@ -288,8 +286,8 @@ class RowScan {
                     });
   }
 
-  /// The coarse spheres of a range, up to about x_end, that reach the box of a block meet its
-  /// spheres.
+  /// Pairs of a block's spheres with the coarse spheres of a range, up to about x_end, that reach
+  /// its bounding box.
   void meet(const Block& b, Range coarse, double x_end) {
     using Real = typename Lanes<Arch>::Real;
     const Vec3d m = b.box.centre(), h = half_width(b.box);
@@ -313,8 +311,8 @@ class RowScan {
       }
     }
   }
-  /// Half of the box [m]; infinite where so long that another image of a sphere may be nearer to
-  /// part of it than the one that is nearest to its centre.
+  /// Half of the box [m]. Infinite if it is so long that the image nearest to its centre may not be
+  /// the nearest to all of it.
   Vec3d half_width(const Box& box) const {
     Vec3d h = 0.5 * box.extent();
     if constexpr (Domain::periodic) {
@@ -336,7 +334,7 @@ class RowScan {
   const Domain& domain_;
   PairBuffer& found_;
   std::size_t cursor_ = 0;            // row of the next layer
-  std::array<Range, 4> neighbour_{};  // rows beside, from where they are still of use
+  std::array<Range, 4> neighbour_{};  // rows beside, from where they are needed
   int neighbours_ = 0;
   std::vector<Block> blocks_;
   Box row_box_;

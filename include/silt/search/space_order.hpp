@@ -14,9 +14,9 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The order in which neighbours lie close together in memory: by cells as wide as the mean cutoff,
-/// in columns of 16 x 16 cells one after the other, in a column layer by layer. It depends on the
-/// spheres alone, not on the search that they are sorted for.
+/// Order in which neighbours are close in memory: by cells as wide as the mean cutoff, in columns
+/// of 16 x 16 cells, layer by layer within a column. It depends only on the spheres, not on the
+/// search.
 template <class Domain>
 void space_order(const SphereSet& spheres, double reach, const Domain& domain, const Team& team,
                  std::vector<std::uint32_t>& order) {

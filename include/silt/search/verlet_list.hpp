@@ -8,17 +8,17 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Keeps the pairs that `Finder` found with some reach beyond touching (the skin), and finds anew
-/// only when particles or walls may have moved by as much. No contact is ever missed: the proof
-/// and the test that renews the list are in engine/lists/list_upkeep.hpp.
+/// Neighbour list: stores the pairs found by `Finder` within a margin beyond touching (the skin).
+/// It searches again only when particles or walls may have moved by this margin. No contact is
+/// missed: for the proof and the test that renews the list see engine/lists/list_upkeep.hpp.
 ///
-///   silt::VerletList<>{}                      for each sphere a reach that follows its motion
-///   silt::VerletList<>{.skin = 0.3e-3}        [m] the same for all: half of this skin
+///   silt::VerletList<>{}                      a margin for each sphere that follows its motion
+///   silt::VerletList<>{.skin = 0.3e-3}        [m] the same margin for all: half of this skin
 ///
 /// Source: L. Verlet, Phys. Rev. 159 (1967) 98.
 /// Errors: InputError for a skin that is not finite and positive.
 /// Tests:  tests/engine/list_upkeep.cpp.
-/// Valid:  every scene; a skin only changes the time that a run takes.
+/// Valid:  every scene; the skin affects only the run time.
 /// Units:  [m].
 template <NeighbourSearch Finder = HashedGrid>
 struct VerletList {
@@ -33,7 +33,7 @@ struct VerletList {
 
 namespace detail {
 
-/// The search that a policy finds pairs with: the finder of a list, or the policy itself.
+/// The search of a policy: the finder of a list, or the policy itself.
 template <class Search>
 auto& finder_of(Search& search) {
   if constexpr (requires { search.finder; })

@@ -8,20 +8,20 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A convex body as a graph in which three edges meet at each vertex: what half-spaces cut fastest
-/// (narrow/clip.hpp). A corner with more edges is a chain of vertices in one place.
+/// Convex body as a graph with three edges at each vertex, the form that is cut by half-spaces
+/// fastest (narrow/clip.hpp). A corner with more edges is a chain of vertices at one point.
 ///
-/// Neighbours stand in the order in which a walk that keeps a face on its left leaves: who comes
-/// from neighbour k goes on to neighbour k + 1 (mod 3) along the same face.
+/// Neighbours are ordered as in a walk with a face on its left: a walk that arrives from neighbour
+/// k continues to neighbour k + 1 (mod 3) along the same face.
 struct ClipVertex {
   Vec3d at;  // [m]
   std::uint16_t neighbour[3];
-  std::uint16_t face[3];  // on the left of the way to neighbour k
+  std::uint16_t face[3];  // left of the edge to neighbour k
 };
 
 namespace detail {
 
-/// Each vertex's neighbours in turn, and the face left of the way to each.
+/// Neighbours of each vertex in order, and the face left of the edge to each.
 struct Fan {
   std::vector<std::uint32_t> neighbour, face;
 
@@ -60,7 +60,7 @@ inline std::vector<Fan> vertex_fans(const ConvexFaces& body) {
   return fans;
 }
 
-/// Slot k of a vertex with n edges stands at link min(max(k, 1), n - 2) - 1 of its chain of n - 2.
+/// Slot k of a vertex with n edges is at link min(max(k, 1), n - 2) - 1 of its chain of n - 2.
 inline std::vector<ClipVertex> clip_graph(const ConvexFaces& body) {
   const auto fans = vertex_fans(body);
   std::vector<std::size_t> first(fans.size() + 1, 0);

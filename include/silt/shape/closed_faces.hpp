@@ -9,17 +9,17 @@
 
 #include <silt/shape/convex_hull.hpp>
 
-/// Whether corners and faces that come from elsewhere bound one convex body.
+/// Checks that given corners and faces bound one convex body.
 /// Tests: tests/shape/closed_faces.cpp (each refusal)
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The ways along the edges of faces, each by the face on its left.
+/// Directed edges of faces, each with the face on its left.
 class FaceWays {
  public:
   struct Way {
     std::uint32_t from, to;
-    std::uint32_t before;  // where the face's loop comes from to `from`
+    std::uint32_t before;  // predecessor of `from` in the loop of the face
     auto key() const { return std::uint64_t{from} << 32 | to; }
   };
 
@@ -31,7 +31,7 @@ class FaceWays {
               [](const Way& a, const Way& b) { return a.key() < b.key(); });
   }
   const std::vector<Way>& all() const { return ways_; }
-  /// Null if no face has it.
+  /// Null if no face has this directed edge.
   const Way* find(std::uint32_t from, std::uint32_t to) const {
     const Way wanted{from, to, 0};
     const auto at = std::lower_bound(ways_.begin(), ways_.end(), wanted,
@@ -40,7 +40,7 @@ class FaceWays {
   }
 
  private:
-  std::vector<Way> ways_;  // by where they begin
+  std::vector<Way> ways_;  // sorted by their start
 };
 
 inline void check_loops(const ConvexFaces& body) {
@@ -62,7 +62,7 @@ inline void check_loops(const ConvexFaces& body) {
   }
 }
 
-/// One closed surface without handles, all of whose faces turn the same way round.
+/// One closed surface without handles, with all faces oriented the same way.
 inline void check_closed(const ConvexFaces& body) {
   const std::size_t corners = body.vertices.size();
   const FaceWays ways(body);
@@ -76,7 +76,7 @@ inline void check_closed(const ConvexFaces& body) {
     require(ways.all()[k - 1].key() != ways.all()[k].key(), "Polyhedron: two faces have the edge ",
             "from corner ", ways.all()[k].from, " to ", ways.all()[k].to, " the same way round");
   for (const auto& way : ways.all()) {
-    require(ways.find(way.to, way.from) != nullptr, "Polyhedron: one face alone has the edge ",
+    require(ways.find(way.to, way.from) != nullptr, "Polyhedron: only one face has the edge ",
             "from corner ", way.from, " to ", way.to, ": the faces do not close");
     ++around[way.from], group[group_of(way.from)] = group_of(way.to);
   }
@@ -84,7 +84,7 @@ inline void check_closed(const ConvexFaces& body) {
     require(around[v] >= 3 && group_of(v) == group_of(0), "Polyhedron: corner ", v, " is in ",
             around[v], " faces, or not joined to the others by edges; a corner is in three at ",
             "least, and all are joined");
-  // From face to face around each corner: back after all of them.
+  // Goes from face to face around each corner: the walk must visit all of them.
   for (std::size_t first = 0; first < ways.all().size(); first += around[ways.all()[first].from]) {
     const auto& start = ways.all()[first];
     std::uint32_t turns = 0;
@@ -99,7 +99,7 @@ inline void check_closed(const ConvexFaces& body) {
           " edges and ", body.faces.size(), " faces");
 }
 
-/// Each face flat and convex, and all corners below it, to `slack` [m].
+/// Every face is flat and convex, and all corners are below it, to `slack` [m].
 inline void check_convex(const ConvexFaces& body, double slack) {
   double six_volumes = 0;
   for (std::size_t f = 0; f < body.faces.size(); ++f) {
@@ -124,13 +124,13 @@ inline void check_convex(const ConvexFaces& body, double slack) {
     }
     for (std::size_t v = 0; v < body.vertices.size(); ++v)
       require(dot(body.vertices[v] - origin, normal) <= slack, "Polyhedron: corner ", v,
-              " stands out of face ", f, ", so that the body is not convex, or inside out");
+              " is outside face ", f, ": the body is not convex, or its faces are reversed");
     six_volumes += dot(origin - body.vertices[0], twice_area);
   }
-  require(six_volumes > 0, "Polyhedron: the faces hold no volume");
+  require(six_volumes > 0, "Polyhedron: the faces enclose no volume");
 }
 
-/// InputError, one sentence: they bound no convex body, to 1e-6 of its diagonal.
+/// InputError, one sentence, unless they bound a convex body, to 1e-6 of its diagonal.
 inline void check_faces(const ConvexFaces& body) {
   check_loops(body);
   check_closed(body);

@@ -10,17 +10,18 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A rigid body of convex parts of one kind: a multi-super-ellipsoid, or a concave polyhedron.
+/// Rigid body of convex parts of one kind: a multi-super-ellipsoid, or a concave polyhedron.
 ///
 ///   silt::Compound<silt::SuperEllipsoid> cross{.parts = {{rod}, {rod, {}, quarter_turn}}};
 ///   silt::Compound<silt::Polyhedron> angle{.parts = {{wall}, {floor}},
 ///                                          .mass = silt::mass_properties(triangles)};
 ///
-/// Contacts are those of its parts, each with its own history. Mass and inertia are given, as from
-/// the surface of a concave polyhedron, or, left out, those of the parts' union: by counting a grid
-/// of points, `grid` along the longest side of the box around the body (200: 1e-3 of volume and
-/// inertia).
-/// Errors: check() throws InputError: no parts, or what a part's own check() says.
+/// Contacts are those of the parts, each with its own history. Mass and inertia may be given, for
+/// example from the surface of a concave polyhedron. Otherwise they are those of the union of the
+/// parts, computed on a grid of points with `grid` points along the longest side of the bounding
+/// box (200: error 1e-3 of volume and inertia).
+///
+/// Errors: check() throws InputError: no parts, or an error of a part's own check().
 /// Tests: tests/shape/compound.cpp
 /// Source: none: contacts are those of the parts.
 /// Valid:  as its parts; parts may overlap.
@@ -31,8 +32,8 @@ struct Compound {
   using Kinds = typename S::Kinds;
   struct Part {
     S shape;
-    Vec3d centre{0, 0, 0};  // [m] of its frame's origin, in the compound's
-    Quaternion axes{};      // turns its frame into the compound's
+    Vec3d centre{0, 0, 0};  // [m] origin of its frame, in the compound's frame
+    Quaternion axes{};      // rotates its frame into the compound's
     bool operator==(const Part&) const = default;
   };
 
@@ -55,7 +56,7 @@ struct Compound {
             "Compound: the volume and the principal moments of its mass must be greater than 0");
   }
 
-  /// What the form is made of: visit(name, number), for one to be told from another (checkpoints).
+  /// Description of the form for comparison (checkpoints): visit(name, number).
   template <class Visit>
   void describe(const Visit& visit) const {
     visit("parts", static_cast<double>(parts.size()));
@@ -79,7 +80,7 @@ struct Compound {
     std::vector<SolidPart<Kinds>> all;
     const Quaternion back = conjugate(of.axes);
     for (const Part& p : parts) {
-      // In its own principal frame the part stands turned and shifted.
+      // The part is rotated and shifted in its own principal frame.
       const MassProperties own = p.shape.mass_properties();
       const Vec3d centroid = p.centre + rotate(p.axes, own.centroid);
       const Quaternion turn = back * p.axes * own.axes;
@@ -107,7 +108,7 @@ struct Compound {
       if (dot(face.normal, x) > face.offset) return false;
     return true;
   }
-  /// A point amidst the part, in its frame, and how far from it the part reaches.
+  /// A point inside the part, in its frame, and the radius of the part about it.
   template <class Shape>
   static Vec3d middle_of(const Shape&) {
     return {0, 0, 0};
@@ -126,10 +127,11 @@ struct Compound {
   static double bound(const SuperEllipsoid& s) { return s.bounding_radius(); }
   static double bound(const PolySuperEllipsoid& s) { return s.bounding_radius(); }
 
-  /// The grid is tilted: faces along its planes would count a whole layer of cells too many or few.
+  /// The grid is tilted: faces parallel to its planes would count a whole layer of cells too many
+  /// or too few.
   Moments moments_of_union() const {
     const Quaternion tilt = rotation_about({0.26, 0.53, 0.81}, 0.7);
-    // All about the middle of the parts, so that nothing is lost far from the frame's origin.
+    // All about the middle of the parts, to avoid cancellation far from the frame's origin.
     std::vector<Vec3d> places;
     Box around;
     for (const Part& p : parts) {

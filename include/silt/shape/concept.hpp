@@ -12,7 +12,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A sphere, by its radius alone: of particles that have no orientation. Needs
+/// Shape without orientation: a sphere, given by its radius. Required:
 ///   static double volume(double radius)          [m3]
 ///   static double inertia_factor()               [-] I / (m r^2), isotropic
 template <class S>
@@ -21,18 +21,19 @@ concept Shape = requires(double radius) {
   { S::inertia_factor() } -> std::same_as<double>;
 };
 
-/// A sphere that belongs to a body.
+/// A sphere of a body.
 struct Ball {
   Vec3d centre;   // [m] in the body's frame
   double radius;  // [m]
   bool operator==(const Ball&) const = default;
 };
 
-/// A shape with an orientation. A value of it is one form, which many particles may have, each in
-/// its own size. Needs
+/// Shape with an orientation. A value of it is one form, shared by many particles, each with its
+/// own size. Required:
 ///   void check() const                           throws InputError, one sentence
-///   MassProperties mass_properties() const       of unit density
-/// Forms that operator== says are equal are one form of a simulation; without it, copies are.
+///   MassProperties mass_properties() const       for density 1
+/// Optional: operator==. Equal forms are one form of a simulation; without it, every copy is a
+/// form.
 template <class S>
 concept BodyShape = requires(const S& form) {
   requires S::is_body;
@@ -40,8 +41,8 @@ concept BodyShape = requires(const S& form) {
   { form.mass_properties() } -> std::same_as<MassProperties>;
 };
 
-/// The kinds of convex parts that bodies may have: Ball, SuperEllipsoid, PolySuperEllipsoid,
-/// Polyhedron, in this order.
+/// Kinds of convex parts of bodies: Ball, SuperEllipsoid, PolySuperEllipsoid, Polyhedron, in this
+/// order.
 template <class... Kind>
 struct KindList {
   static constexpr std::size_t count = sizeof...(Kind);
@@ -55,22 +56,22 @@ struct KindList {
   }();
 };
 
-/// A convex part of a body.
+/// Convex part of a body.
 template <class Kinds>
 struct SolidPart;
 template <class... Kind>
 struct SolidPart<KindList<Kind...>> {
   std::variant<Kind...> solid;  // in its own frame
-  Vec3d centre{0, 0, 0};        // [m] of that frame's origin, in the body's principal frame
-  Quaternion axes{};            // turns that frame into the body's
+  Vec3d centre{0, 0, 0};        // [m] origin of that frame, in the body's principal frame
+  Quaternion axes{};            // rotates that frame into the body's
 };
 
-/// A body shape whose parts have narrow phases of their own (shape/narrow/). Needs besides
-///   using Kinds = KindList<...>                  that its parts may have
-///   static constexpr bool one_part               a single part, in the principal frame, always
+/// Body shape whose parts have their own narrow phases (shape/narrow/). Also required:
+///   using Kinds = KindList<...>                  kinds of its parts
+///   static constexpr bool one_part               always a single part, in the principal frame
 ///   std::vector<SolidPart<Kinds>> solids(const MassProperties&) const
-///   SurfaceMesh surface_of(form)                 to show it
-/// Others are spheres that belong together: std::vector<Ball> parts() const, in any frame.
+///   SurfaceMesh surface_of(form)                 for display
+/// Other body shapes are sets of spheres: std::vector<Ball> parts() const, in any frame.
 template <class S>
 concept SolidShape = BodyShape<S> && requires(const S& form, const MassProperties& mass) {
   { form.solids(mass) } -> std::same_as<std::vector<SolidPart<typename S::Kinds>>>;

@@ -15,8 +15,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Corners and faces of a convex body: each face flat, its corners in turn counter-clockwise seen
-/// from outside, no face in the plane of its neighbour, no corner amidst an edge or a face.
+/// Corners and faces of a convex body. Each face is flat, with its corners counter-clockwise seen
+/// from outside. Neighbouring faces are not coplanar, and no corner is inside an edge or a face.
 struct ConvexFaces {
   std::vector<Vec3d> vertices;                    // [m]
   std::vector<std::vector<std::uint32_t>> faces;  // numbers of vertices
@@ -24,9 +24,8 @@ struct ConvexFaces {
 
 namespace detail {
 
-/// The hull while it grows: triangles, one point added at a time, the farthest first. Each point
-/// keeps the triangle that it stands highest over, so that a step costs a look at its new
-/// triangles.
+/// Hull during construction: triangles; points are added one at a time, the farthest first. Each
+/// point stores the triangle above which it is highest, and a step tests only its new triangles.
 class GrowingHull {
  public:
   GrowingHull(const std::vector<Vec3d>& points, double tolerance)
@@ -44,7 +43,7 @@ class GrowingHull {
  private:
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-  /// The triangle that a point stands highest over, and how high [m].
+  /// The triangle above which a point is highest, and its height [m].
   struct Highest {
     double height = -std::numeric_limits<double>::infinity();
     std::uint32_t triangle = 0;
@@ -93,7 +92,7 @@ class GrowingHull {
     return dot(p - points_[triangles_[t][0]], normals_[t]);
   }
 
-  /// Brings `highest_` up to date: the triangles from `first` on are new, some others are dropped.
+  /// Updates `highest_`: triangles from `first` on are new, some others are removed.
   void look(std::uint32_t first) {
     for (std::uint32_t p = 0; p < points_.size(); ++p) {
       std::uint32_t t = first;
@@ -104,8 +103,8 @@ class GrowingHull {
     }
   }
 
-  /// The point farthest outside of any triangle. A corner of the hull that a triangle as thin as
-  /// rounding has below it is not added again: it would be for ever.
+  /// The point farthest outside any triangle. A corner of the hull that is above a very thin
+  /// triangle only by rounding is not added again, which would never end.
   std::uint32_t next() const {
     std::uint32_t best = none;
     double most = tolerance_;
@@ -114,8 +113,9 @@ class GrowingHull {
     return best;
   }
 
-  /// Replaces the triangles that `p` sees by a fan from their rim to `p`. Those it sees are
-  /// gathered across edges from the one it stands highest over, so that the rim is one loop.
+  /// Replaces the triangles visible from `p` by a fan from their rim to `p`. Visible triangles are
+  /// collected across edges, starting at the one above which `p` is highest; the rim is then one
+  /// loop.
   void add(std::uint32_t p) {
     added_[p] = 1;
     std::vector<std::uint32_t> seen{highest_[p].triangle};
@@ -144,7 +144,7 @@ class GrowingHull {
   static std::uint64_t name(std::uint32_t from, std::uint32_t to) {
     return std::uint64_t{from} << 32 | to;
   }
-  /// The triangle on the other side of the edge a b of a triangle.
+  /// The triangle across the edge a b of a triangle.
   std::uint32_t across(std::uint32_t a, std::uint32_t b) const {
     const auto at = at_edge_.find(name(b, a));
     if (at != at_edge_.end()) return at->second;
@@ -154,8 +154,8 @@ class GrowingHull {
   }
 
   const std::vector<Vec3d>& points_;
-  double tolerance_;                     // [m] above a plane that counts as in it
-  std::vector<VertexTriple> triangles_;  // all there ever were
+  double tolerance_;                     // [m] height that counts as in the plane
+  std::vector<VertexTriple> triangles_;  // including removed ones
   std::vector<char> dropped_;
   std::vector<Vec3d> normals_;
   std::vector<Highest> highest_;                              // of each point
@@ -163,7 +163,7 @@ class GrowingHull {
   std::unordered_map<std::uint64_t, std::uint32_t> at_edge_;  // the triangle left of an edge
 };
 
-/// Joins triangles of one plane to faces, and drops corners that no longer bend anything.
+/// Merges coplanar triangles to faces, and removes corners where no edge bends.
 class FaceMerger {
  public:
   FaceMerger(const std::vector<Vec3d>& points, std::vector<VertexTriple> triangles,
@@ -202,7 +202,7 @@ class FaceMerger {
   }
 
  private:
-  /// Largest triangles first: their planes are the surest, and thin ones join them.
+  /// Largest triangles first: their planes are the most accurate; thin ones are merged into them.
   void join() {
     std::vector<std::uint32_t> order(triangles_.size());
     for (std::uint32_t t = 0; t < order.size(); ++t) order[t] = t;
@@ -235,7 +235,7 @@ class FaceMerger {
     return true;
   }
 
-  /// The rim of a group: its directed edges whose reverse is not one of its own.
+  /// Rim of a group: its directed edges whose reverse is not in the group.
   std::vector<std::uint32_t> loop_of(std::uint32_t g) const {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> sides;
     for (const auto t : members_[g])
@@ -263,18 +263,18 @@ class FaceMerger {
   const std::vector<Vec3d>& points_;
   const std::vector<VertexTriple> triangles_;
   double tolerance_;
-  std::vector<std::uint32_t> group_;                 // of each triangle: its first one
+  std::vector<std::uint32_t> group_;                 // of each triangle: the first of its group
   std::vector<std::vector<std::uint32_t>> members_;  // of each group
 };
 
 }  // namespace detail
 
-/// The convex hull of points: incremental, the farthest point first (for bodies, not for clouds:
-/// quadratic in the number of corners).
+/// Convex hull of points: incremental, farthest point first. Intended for bodies, not for large
+/// point clouds: the time is quadratic in the number of corners.
 ///
-/// Points within 1e-9 of the diagonal of each other are one; triangles whose corners are within
-/// 1e-8 of the diagonal of a larger neighbour's plane are one face with it.
-/// Errors: InputError for points not finite, fewer than four, or all in one plane.
+/// Points within 1e-9 of the diagonal of each other are merged. Triangles with corners within 1e-8
+/// of the diagonal of a larger neighbour's plane are merged with it to one face.
+/// Errors: InputError for points that are not finite, fewer than four points, or coplanar points.
 /// Tests:  tests/shape/polyhedron.cpp (against all planes of three points; duplicates; grids)
 inline ConvexFaces convex_hull(const std::vector<Vec3d>& points) {
   Box box;

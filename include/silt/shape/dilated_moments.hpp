@@ -4,13 +4,13 @@
 #include <silt/core/gauss_rule.hpp>
 #include <silt/shape/polyhedron.hpp>
 
-/// Mass properties of a polyhedron dilated by r: its core, a slab on each face, a wedge of a
-/// cylinder along each edge, a sector of a ball at each corner, whose directions fill the sphere
-/// once.
+/// Mass properties of a polyhedron dilated by r: its core, a slab on each face, a cylindrical wedge
+/// along each edge, and a spherical sector at each corner. The directions of the sectors cover the
+/// sphere once.
 ///
-/// Slabs are exact (products of polynomials, Gauss' rule of two points). Wedges and sectors are
-/// Gauss' rules of 16 and 12 points in each angle, smooth there: 1e-12 of the volume.
-/// Check: the volume is Steiner's (tests/shape/polyhedron.cpp).
+/// Slabs are exact (products of polynomials, Gauss rule with two points). Wedges and sectors use
+/// Gauss rules with 16 and 12 points in each angle; the integrands are smooth, and the error is
+/// 1e-12 of the volume. The volume is checked by Steiner's formula (tests/shape/polyhedron.cpp).
 /// Source: J. Steiner 1840; quadrature: P. J. Davis, P. Rabinowitz, Methods of Numerical
 ///         Integration (1984), sec. 2.7.
 
@@ -22,9 +22,9 @@ inline void add_point(Moments& m, const Vec3d& point, double weight) {
   m.volume += weight, m.first += weight * point, m.second += weight * outer(point);
 }
 
-/// int over directions u in the spherical triangle of unit vectors a, b, c, by its flat triangle:
-/// p = a + s (b - a) + s t (c - b), u = p/|p|, d omega = s |a . (b x c)| / |p|^3 ds dt. Wide ones
-/// are halved first, as the flat triangle must stay away from the origin.
+/// Integral over directions u in the spherical triangle of unit vectors a, b, c, on its flat
+/// triangle: p = a + s (b - a) + s t (c - b), u = p/|p|, d omega = s |a . (b x c)| / |p|^3 ds dt.
+/// Wide triangles are bisected first, as the flat triangle must not be near the origin.
 template <class Add>
 void sum_directions(const Vec3d& a, const Vec3d& b, const Vec3d& c, Add&& add) {
   static const GaussRule<12> rule;
@@ -56,7 +56,7 @@ inline void add_slabs(const Polyhedron& body, const Vec3d& origin, Moments& m) {
       const Vec3d b = body.vertices()[corner[k - 1]] - origin;
       const Vec3d c = body.vertices()[corner[k]] - origin;
       const double area = 0.5 * norm(cross(b - a, c - a));
-      for (std::size_t h = 0; h < 2; ++h)  // middles of the sides: exact to second order
+      for (std::size_t h = 0; h < 2; ++h)  // midpoints of the sides: exact to second order
         for (const Vec3d& p : {a + b, b + c, c + a})
           add_point(m, 0.5 * p + (height.at[h] * body.radius()) * face.normal,
                     height.weight[h] * body.radius() * area / 3);
@@ -77,7 +77,7 @@ inline void add_wedges(const Polyhedron& body, const Vec3d& origin, Moments& m) 
       const double phi = theta * angle.at[i];
       const Vec3d u = std::cos(phi) * n + std::sin(phi) * aside;
       for (std::size_t j = 0; j < 2; ++j)
-        for (std::size_t k = 0; k < 2; ++k)  // rho d rho, to the third order in rho
+        for (std::size_t k = 0; k < 2; ++k)  // rho d rho, to third order in rho
           add_point(m, a + along.at[j] * (b - a) + (r * out.at[k]) * u,
                     angle.weight[i] * theta * along.weight[j] * norm(b - a) * out.weight[k] * r *
                         r * out.at[k]);
@@ -88,7 +88,7 @@ inline void add_wedges(const Polyhedron& body, const Vec3d& origin, Moments& m) 
 inline void add_sectors(const Polyhedron& body, const Vec3d& origin, Moments& m) {
   const GaussRule<3> out;
   const double r = body.radius();
-  for (const auto& v : body.graph())  // chained vertices share a corner's directions among them
+  for (const auto& v : body.graph())  // chained vertices share the directions of a corner
     sum_directions(body.faces()[v.face[0]].normal, body.faces()[v.face[1]].normal,
                    body.faces()[v.face[2]].normal, [&](const Vec3d& u, double omega) {
                      for (std::size_t k = 0; k < 3; ++k)
@@ -99,7 +99,7 @@ inline void add_sectors(const Polyhedron& body, const Vec3d& origin, Moments& m)
 
 }  // namespace detail
 
-/// Of the body with its dilation, for density 1, in the frame of its corners.
+/// Mass properties of the body with its dilation, for density 1, in the frame of its corners.
 inline MassProperties mass_properties(const Polyhedron& body) {
   const auto core = mass_properties(body.triangles());
   if (body.radius() == 0) return core;
@@ -112,13 +112,13 @@ inline MassProperties mass_properties(const Polyhedron& body) {
 
 inline MassProperties Polyhedron::mass_properties() const { return silt::mass_properties(*this); }
 
-/// A shape in the frame of its centroid and principal axes.
+/// Shape in the frame of its centroid and principal axes.
 struct PrincipalShape {
   std::vector<Polyhedron> parts;  // convex; one if the body is
   double volume;                  // [m3]
   Vec3d inertia;                  // [m5] principal moments for density 1
   double bounding_radius;         // [m] about the centroid
-  RigidPose frame;                // where centroid and axes were in the frame it was given in
+  RigidPose frame;                // centroid and axes in the original frame
 };
 
 namespace detail {
@@ -146,9 +146,9 @@ inline std::vector<SolidPart<Polyhedron::Kinds>> Polyhedron::solids(
 
 static_assert(SolidShape<Polyhedron>);
 
-/// A concave body: its surface gives the mass, its convex parts the contacts. The parts must fill
-/// it: their volumes may differ from the mesh's by 1e-3 of it in sum (overlapping parts press
-/// twice).
+/// Concave body: mass from its surface, contacts from its convex parts. The parts must fill it: the
+/// sum of their volumes may differ from that of the mesh by 1e-3 (contact forces of overlapping
+/// parts would add up).
 inline PrincipalShape principal_shape(const std::vector<std::array<Vec3d, 3>>& mesh,
                                       const std::vector<Polyhedron>& parts) {
   const TriangleMesh solid = solid_mesh(mesh);

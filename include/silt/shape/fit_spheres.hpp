@@ -15,7 +15,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Of what a closed mesh encloses, exactly.
+/// Mass properties of the interior of a closed mesh, exact.
 inline MassProperties mass_properties(const TriangleMesh& mesh) {
   std::vector<std::array<Vec3d, 3>> triangles;
   for (const auto& [a, b, c] : mesh.triangles())
@@ -23,24 +23,24 @@ inline MassProperties mass_properties(const TriangleMesh& mesh) {
   return mass_properties(triangles);
 }
 
-/// How spheres are to be fitted to a mesh.
+/// Options of fit_spheres().
 struct SphereFitOptions {
   std::size_t spheres = 50;     // [-] at most
-  std::size_t resolution = 40;  // [-] cells along the longest side, of the search for them
+  std::size_t resolution = 40;  // [-] cells of the search grid along the longest side
 };
 
-/// What came of it.
+/// Result of fit_spheres().
 struct SphereFit {
   MultiSphere form;      // mass and inertia are those of the mesh
-  double volume_error;   // [-] volume of the union over that of the mesh, less 1
-  double surface_error;  // [m] of the mesh's surface from the union's, root mean square
+  double volume_error;   // [-] volume of the union over that of the mesh, minus 1
+  double surface_error;  // [m] distance of the two surfaces, root mean square
   double largest_error;  // [m]
 };
 
 namespace detail {
 
-/// Inscribed spheres around the points of a grid, chosen one by one so that each holds as many
-/// points as can be that no other holds yet.
+/// Inscribed spheres around the points of a grid. Each is chosen to contain as many points as
+/// possible that no other sphere contains yet.
 class SphereFitter {
  public:
   SphereFitter(const TriangleMesh& mesh, std::size_t resolution) : mesh_(mesh) {
@@ -72,7 +72,7 @@ class SphereFitter {
     while (balls.size() < wanted && !queue.empty()) {
       const std::size_t cell = queue.top().cell;
       queue.pop();
-      // What a sphere gains only becomes less: if it still leads, it is the best.
+      // The gain of a sphere can only decrease: if it is still the largest, the sphere is the best.
       const std::size_t now = gain(cell);
       if (now == 0) continue;
       if (!queue.empty() && Candidate{now, cell} < queue.top()) {
@@ -101,7 +101,7 @@ class SphereFitter {
       if (least < reach) return least;
     }
   }
-  /// Calls visit(k) for the grid points inside the mesh and inside the sphere of point `cell`.
+  /// Calls visit(k) for the grid points inside the mesh and inside the sphere around point `cell`.
   template <class Visit>
   void visit(std::size_t cell, const Visit& visit) const {
     const double radius = depth_[cell];
@@ -132,12 +132,12 @@ class SphereFitter {
   double step_;
   std::int64_t count_[3];
   Vec3d first_;
-  std::vector<double> depth_;  // [m] distance from the surface, of points inside
+  std::vector<double> depth_;  // [m] distance of inside points from the surface
   std::vector<bool> covered_;
 };
 
-/// Distances [m] of points on the mesh, three of each triangle's and more of large ones, from the
-/// surface of the union.
+/// Distances [m] of points of the mesh (three per triangle, more for large ones) from the surface
+/// of the union.
 inline void measure_surface(const TriangleMesh& mesh, SphereFit& fit) {
   const auto& v = mesh.vertices();
   double sum = 0, weight = 0, most = 0;
@@ -161,21 +161,21 @@ inline void measure_surface(const TriangleMesh& mesh, SphereFit& fit) {
 
 }  // namespace detail
 
-/// Fits spheres to a closed mesh: inscribed ones, each where it fills most of what is still empty,
-/// then all grown alike until their union has the volume of the mesh. Sharp edges stay round: more
-/// spheres make the error smaller, as it says.
+/// Fits spheres to a closed mesh: inscribed spheres, each placed where it fills most of the
+/// remaining volume. Then all are scaled equally until their union has the volume of the mesh.
+/// Sharp edges remain round; more spheres reduce the error, which is reported.
 ///
 ///   const silt::TriangleMesh mesh(silt::read_stl("stone.stl"));
 ///   const auto fit = silt::fit_spheres(mesh, {.spheres = 30});
 ///   const auto stone = particles.add_form(fit.form);
 /// Errors: InputError for a mesh that is not closed or inside out, or options out of range.
-/// Tests: tests/shape/fit_spheres.cpp.
+/// Tests:  tests/shape/fit_spheres.cpp.
 inline SphereFit fit_spheres(const TriangleMesh& mesh, const SphereFitOptions& options = {}) {
   require(mesh.is_closed(),
-          "fit_spheres: the mesh is not closed, so that it has no inside; close its gaps or turn "
+          "fit_spheres: the mesh is not closed, and has no inside; close its gaps or turn "
           "its triangles the same way round");
   require(mesh.volume() > 0, "fit_spheres: the volume of the mesh is ", mesh.volume(),
-          " [m3]: its triangles face inwards; turn them round");
+          " [m3]: its triangles face inwards; reverse them");
   require(options.spheres > 0, "SphereFitOptions.spheres = 0 [-] must be at least 1");
   require(options.resolution >= 4 && options.resolution <= 200,
           "SphereFitOptions.resolution = ", options.resolution, " [-] must be from 4 to 200");

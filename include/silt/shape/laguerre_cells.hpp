@@ -7,28 +7,27 @@
 #include <silt/shape/power_cells.hpp>
 #include <silt/shape/volume_weights.hpp>
 
-/// Cuts a convex polyhedron into convex cells of given volumes, which fill it.
+/// Divides a convex polyhedron into convex cells of given volumes, which fill it.
 ///
-/// The cells are those of a power diagram (power_cells.hpp). Sites are random, for the largest
-/// share first: of some random points the first one whose ball, of a volume in proportion to the
-/// share, fits beside those placed before and inside the faces, or that which comes nearest to it.
-/// Then volumes are fitted (volume_weights.hpp) and sites move to the centroids of their cells,
-/// `rounding` times, which makes the cells rounder; at last volumes are fitted to rounding.
+/// The cells are those of a power diagram (power_cells.hpp). Sites are random, the largest share
+/// first. Among some random points it takes the first whose ball, with a volume proportional to the
+/// share, fits between the balls already placed and the faces, or else the one that comes closest.
+/// Then the volumes are fitted (volume_weights.hpp) and sites move to the centroids of their cells,
+/// `rounding` times, which makes the cells rounder. Finally the volumes are fitted to rounding.
+///
 /// Sources: F. Aurenhammer, F. Hoffmann, B. Aronov, Algorithmica 20 (1998) 61-76: for all sites
 ///          there are weights that give the volumes; sites at the centroids: S. P. Lloyd, IEEE
 ///          Trans. Inf. Theory 28 (1982) 129-137, in the order of F. de Goes et al., ACM Trans.
-///          Graph. 31 (2012) 171, sec. 4.
-/// Accuracy: volumes to 1e-13 of the body's. Corners that cells share have
-/// the
-///          same numbers in all of them. Sites are drawn anew if an edge would be shorter than 1e-7
-///          of a cell's diagonal, or a cell's convex hull would lose a corner or a face. Only if
-///          ten draws do not avoid it (a body with such features of its own), the hull's joins are
-///          taken: corners within 1e-9 of the cell's diagonal, faces within 1e-8. The sum of
-///          volumes then errs by up to 1e-8 d times the area of the cells.
-/// Valid:   2 to 4000 cells (fitting is cubic in their number), shares of at least 1e-9. Sharp
-///          bodies: those with a radius of dilation cannot fill a body without overlap.
+///          Graph. 31 (2012) 171, sec. 4. Accuracy: volumes to 1e-13 of the body's. Shared corners
+///          have the same numbers in all cells. Sites are drawn again if an edge would be shorter
+///          than 1e-7 of a cell's diagonal, or if a cell's convex hull would lose a corner or a
+///          face. If ten draws do not avoid this (the body itself has such features), the merging
+///          of the hull is accepted: corners within 1e-9 of the cell's diagonal, faces within 1e-8.
+///          The sum of volumes then errs by up to 1e-8 d times the area of the cells.
+/// Valid:   2 to 4000 cells (the cost is cubic in their number), shares of at least 1e-9. Only
+///          sharp bodies: dilated ones cannot fill a body without overlap.
 /// Units:   [m], [m3].
-/// Errors:  InputError for shares that are too small or not 1 in sum, for dilated bodies, and if
+/// Errors:  InputError for shares that are too small or do not sum to 1, for dilated bodies, and if
 ///          forty draws of sites give no cells of these volumes.
 /// Tests:   tests/shape/laguerre_cells.cpp
 
@@ -41,7 +40,7 @@ struct LaguerreOptions {
 
 namespace detail {
 
-/// Random points with a uniform density in a polyhedron.
+/// Random points with uniform density in a polyhedron.
 class PointsInside {
  public:
   explicit PointsInside(const Polyhedron& body) : triangles_(body.triangles()) {
@@ -51,8 +50,8 @@ class PointsInside {
     for (const auto& [a, b, c] : triangles_)
       up_to_.push_back(sum += dot(a - middle_, cross(b - middle_, c - middle_)));
   }
-  /// A tetrahedron by its volume; in it, the cube folded (C. Rocchini, P. Cignoni, J. Graphics
-  /// Tools 5 (2000) 9-12).
+  /// Chooses a tetrahedron by its volume, and in it a point by folding the cube (C. Rocchini, P.
+  /// Cignoni, J. Graphics Tools 5 (2000) 9-12).
   Vec3d draw(Random& random) const {
     const auto at =
         std::lower_bound(up_to_.begin(), up_to_.end(), random.uniform() * up_to_.back());
@@ -68,15 +67,15 @@ class PointsInside {
 
  private:
   std::vector<std::array<Vec3d, 3>> triangles_;
-  std::vector<double> up_to_;  // six times the volume of the tetrahedra from the middle up to it
+  std::vector<double> up_to_;  // six times the cumulative volume of the tetrahedra from the middle
   Vec3d middle_{0, 0, 0};
 };
 
-/// Sites for `volume`s [m3], weighed by the squares of balls that do not overlap: each site's ball,
-/// as far as it is inside the body, lies in its cell, so that none is empty.
+/// Sites for `volume`s [m3], weighted by the squares of radii of balls that do not overlap. The
+/// part of a site's ball inside the body is in its cell, hence no cell is empty.
 inline PowerSites draw_sites(const Polyhedron& body, const PointsInside& inside,
                              const std::vector<double>& volume, Random& random) {
-  constexpr double filled = 0.3;  // of the body by balls
+  constexpr double filled = 0.3;  // share of the body filled by balls
   constexpr int tries = 20;
   std::vector<std::size_t> order(volume.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -107,12 +106,12 @@ inline PowerSites draw_sites(const Polyhedron& body, const PointsInside& inside,
   return sites;
 }
 
-/// Cells of sites that are drawn once; none if their volumes are not found, or one is flat to
-/// rounding or not clean (CellForms) as it must be.
+/// Cells of one draw of sites. None if their volumes are not found, a cell is flat to rounding, or
+/// a cell is not clean (CellForms) as required.
 inline std::optional<std::vector<Polyhedron>> draw_cells(
     const Polyhedron& body, const PointsInside& inside, const std::vector<double>& volume,
     Random& random, const LaguerreOptions& options, bool must_be_clean) {
-  constexpr double rough = 0.03;  // [-] error of volumes that is good enough to move sites
+  constexpr double rough = 0.03;  // [-] sufficient error of volumes for moving sites
   VolumeWeights fit(body, volume);
   PowerSites sites = draw_sites(body, inside, volume, random);
   for (int k = 0; k < options.rounding; ++k) {
@@ -158,8 +157,8 @@ inline std::vector<double> volumes_of_shares(const Polyhedron& body,
 
 }  // namespace detail
 
-/// Cells with these shares [-] of the body's volume, in the same order, corners in the frame of the
-/// body's. The same draws of `random` give the same cells.
+/// Cells with these shares [-] of the body's volume, in the same order, with corners in the frame
+/// of the body. The same state of `random` gives the same cells.
 inline std::vector<Polyhedron> laguerre_cells(const Polyhedron& body,
                                               std::span<const double> shares, Random& random,
                                               const LaguerreOptions& options = {}) {
@@ -171,7 +170,7 @@ inline std::vector<Polyhedron> laguerre_cells(const Polyhedron& body,
   for (int draw = 0; draw < most_draws && !cells; ++draw)
     cells = detail::draw_cells(body, inside, volume, random, options, draw < clean_draws);
   require(cells.has_value(), "laguerre_cells: ", most_draws, " draws of sites gave no ",
-          volume.size(), " cells of the volumes wanted in a body of ", body.faces().size(),
+          volume.size(), " cells of the required volumes in a body of ", body.faces().size(),
           " faces and ", body.core_volume(),
           " [m3]; give fewer or less different shares, or a less flat body");
   return *std::move(cells);

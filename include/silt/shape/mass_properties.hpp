@@ -11,14 +11,14 @@
 namespace silt::inline SILT_TARGET {
 
 /// Volume and its first two moments: integrals over a body of 1 [m3], x [m4] and x x^T [m5], x from
-/// `origin`. Far from the body, differences of large numbers would be left of it.
+/// `origin`. An origin far from the body would cause cancellation.
 struct Moments {
   double volume = 0;
   Vec3d first{0, 0, 0};
   Symmetric3 second;
   Vec3d origin{0, 0, 0};  // [m] in the frame of the body
 
-  /// The same about a point from which the present origin is seen at `place` [m].
+  /// Moves the reference point; `place` [m] is the present origin seen from the new one.
   void shift(const Vec3d& place) {
     const Vec3d s = first;
     origin -= place;
@@ -33,18 +33,18 @@ struct Moments {
   }
 };
 
-/// What a rigid body of unit density needs to move.
+/// Mass properties of a rigid body of density 1.
 struct MassProperties {
   double volume;    // [m3]
-  Vec3d centroid;   // [m] in the frame the body was given in
-  Vec3d inertia;    // [m5] principal moments about the centroid, for a density of 1
-  Quaternion axes;  // [-] turns principal axes into those the body was given in
+  Vec3d centroid;   // [m] in the original frame of the body
+  Vec3d inertia;    // [m5] principal moments about the centroid, density 1
+  Quaternion axes;  // [-] rotates principal axes into the original ones
   bool operator==(const MassProperties&) const = default;
 };
 
-/// From moments about any origin, by the parallel-axis rule; I = tr(S) 1 - S.
-/// Errors: InputError for no volume, and for a body so thin or so spread out that rounding of its
-/// largest principal moment, 1e-16 of it, is seen in the smallest.
+/// From moments about any origin, by the parallel-axis theorem; I = tr(S) 1 - S.
+/// Errors: InputError for zero volume, and for a body so thin or extended that rounding of its
+///         largest principal moment, 1e-16 of it, affects the smallest.
 inline MassProperties mass_properties(const Moments& m) {
   require(m.volume > 0, "mass_properties: the volume ", m.volume, " [m3] must be greater than 0");
   const Vec3d centroid = m.first * (1 / m.volume);
@@ -55,10 +55,10 @@ inline MassProperties mass_properties(const Moments& m) {
   const double most = std::max({p.values.x, p.values.y, p.values.z});
   require(least >= std::numeric_limits<double>::min() && std::isfinite(most),
           "mass_properties: the principal moments ", p.values, " [m5] of a body of ", m.volume,
-          " [m3] are no normal numbers greater than 0; give its size in metres, and a solid");
+          " [m3] must be normal numbers greater than 0; give sizes in metres, and a solid body");
   require(least > 1e-10 * most, "mass_properties: the principal moments ", p.values,
-          " [m5] differ by more than 1e10, so that the smallest is lost in rounding; bring the "
-          "parts of the body nearer to each other, or make it thicker");
+          " [m5] differ by more than 1e10: the smallest is lost in rounding; move the "
+          "parts of the body closer together, or make it thicker");
   return {m.volume, m.origin + centroid, p.values, p.axes};
 }
 

@@ -10,15 +10,15 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A closed mesh as a rigid body of this density [kg/m3]: mass, centre and inertia of what it
-/// encloses, whichever way its triangles turn; velocities are to be set.
+/// Closed mesh as a rigid body of this density [kg/m3]: mass, centre and inertia of its interior,
+/// for either orientation of its triangles. Velocities are 0 until set.
 ///   silt::FreeBody body = silt::free_body(mesh, 7800);
-/// Errors: InputError for a mesh that is not closed, and a density that is not greater than 0.
+/// Errors: InputError for a mesh that is not closed, and a density that is not positive.
 /// Tests:  tests/engine/free_walls.cpp
 inline FreeBody free_body(const TriangleMesh& mesh, double density) {
   require_positive("free_body: density", density, "kg/m3");
   require(mesh.is_closed(),
-          "free_body: the mesh is not closed, so that it encloses no volume; close "
+          "free_body: the mesh is not closed and encloses no volume; close "
           "it, or give mass, inertia and centre of a FreeBody");
   std::vector<std::array<Vec3d, 3>> soup;
   const bool outwards = mesh.volume() > 0;

@@ -15,7 +15,7 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// Which kinds of parts a shape has, and its parts: what SolidShape says, of all shapes.
+/// Kinds of parts of a shape, and its parts: the members of SolidShape, for all shapes.
 template <class S>
 struct SolidsOf {
   using Kinds = typename S::Kinds;
@@ -49,7 +49,7 @@ template <class... A, class... B>
 struct Joined<KindList<A...>, KindList<B...>> {
   using type = KindList<A..., B...>;
 };
-/// Those of `Order` that any of Shapes has.
+/// The kinds in `Order` that any of Shapes has.
 template <class Order, class... Shapes>
 struct KindsAmong {
   using type = KindList<>;
@@ -70,8 +70,8 @@ struct KindsAmong<KindList<First, Rest...>, Shapes...> {
 ///   const auto cube = grains.add_form(silt::Polyhedron::from_points(corners));
 ///   grains.add({.form = bead, .position = {0, 0, 0.1}, .radius = 2e-3, .density = 2500});
 ///
-/// Every pair of kinds of parts has a narrow phase of its own, chosen at compile time; pairs are
-/// worked on kind by kind. The form of a Sphere has a radius of 1 m: its particles say theirs.
+/// Every pair of kinds of parts has its own narrow phase, chosen at compile time; pairs are
+/// processed kind by kind. The form of a Sphere has a radius of 1 m; its particles give theirs.
 /// Parts of MultiSpheres in a mix do not share the stiffness of a contact
 /// (engine/contact/shared_contacts.hpp).
 /// Tests: tests/engine/mix.cpp
@@ -92,7 +92,7 @@ struct Mix {
   bool operator==(const Mix&) const = default;
 
   template <class S>
-  requires(std::is_same_v<S, Shapes> || ...) Mix(S form)  // NOLINT: any of them is one
+  requires(std::is_same_v<S, Shapes> || ...) Mix(S form)  // NOLINT: implicit, any of them is one
       : shape(std::move(form)) {}
 
   void check() const {
@@ -131,7 +131,7 @@ struct Mix {
         shape);
   }
   std::size_t kind() const { return shape.index(); }  // which of Shapes
-  /// What the form is made of: visit(name, number), for one to be told from another (checkpoints).
+  /// Description of the form for comparison (checkpoints): visit(name, number).
   template <class Visit>
   void describe(const Visit& visit) const {
     visit("shape", static_cast<double>(kind()));
@@ -141,7 +141,7 @@ struct Mix {
         },
         shape);
   }
-  /// A Sphere has none of its own.
+  /// The form of a Sphere has no size of its own.
   bool has_size() const {
     return std::visit(
         [](const auto& form) { return !std::is_same_v<std::decay_t<decltype(form)>, Sphere>; },

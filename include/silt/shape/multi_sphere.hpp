@@ -14,30 +14,31 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A rigid body of spheres that may overlap. Overlaps count once in its mass and inertia.
+/// Rigid body of spheres, which may overlap. Overlaps are counted once in its mass and inertia.
 ///
 ///   silt::Particles<silt::MultiSphere> stones;
 ///   const auto rod = stones.add_form({.balls = {{{-1e-3, 0, 0}, 1e-3}, {{1e-3, 0, 0}, 1e-3}}});
 ///   stones.add({.form = rod, .position = {0, 0, 0.1}, .density = 2500});
 ///
-/// Contacts are those of its spheres, each with its own history. Where several spheres of one body
-/// touch the same other body at once, each gets its share of stiffness and damping, so that the
-/// body is not the stiffer the more spheres describe it (engine/contact/shared_contacts.hpp).
-/// Units: m, in any frame; the engine moves it to the principal frame.
-/// Errors: InputError for no balls, radii that are not positive, places that are not finite or more
-///         than 4e10 radii from the origin, balls so far apart (some 1e5 radii) that the moment
-///         about their line is lost in rounding.
-/// Tests: tests/shape/multi_sphere.cpp, tests/shape/translation.cpp, tests/engine/bodies.cpp.
+/// Contacts are those of its spheres, each with its own history. Where several spheres of a body
+/// touch the same other body, they share stiffness and damping. The body then does not become
+/// stiffer when it is described by more spheres (engine/contact/shared_contacts.hpp).
+///
+/// Units:  m, in any frame; the engine moves it to the principal frame.
+/// Errors: InputError for no balls, radii that are not positive, positions that are not finite or
+///         more than 4e10 radii from the origin, balls so far apart (some 1e5 radii) that the
+///         moment about their line is lost in rounding.
+/// Tests:  tests/shape/multi_sphere.cpp, tests/shape/translation.cpp, tests/engine/bodies.cpp.
 /// Source: volume and inertia of the union: shape/union_of_balls.hpp; the shared stiffness
 ///         is silt's own.
-/// Valid:  spheres that touch or overlap; sums over contacts beside those of one smooth surface:
+/// Valid:  spheres that touch or overlap. For the difference to contacts of a smooth surface see
 ///         docs/shapes.md.
 struct MultiSphere {
   static constexpr bool is_body = true;
 
   std::vector<Ball> balls;
-  /// Mass and inertia from elsewhere, as from the mesh that the spheres stand for, in the frame of
-  /// the balls; left out: those of the union.
+  /// Mass and inertia from another source, such as the mesh that the spheres represent, in the
+  /// frame of the balls; left out: those of the union.
   std::optional<MassProperties> mass = {};
 
   bool operator==(const MultiSphere&) const = default;
@@ -49,20 +50,20 @@ struct MultiSphere {
                       mass->inertia.z > 0),
             "MultiSphere: the volume and the principal moments of its mass must be greater than 0");
   }
-  /// Of ball k alone.
+  /// Checks ball k.
   static void check(const Ball& ball, std::size_t k) {
     require(is_finite(ball.centre), "MultiSphere: the centre of ball ", k, ", ", ball.centre,
             " [m], must be finite");
     require_positive(text("MultiSphere: the radius of ball ", k), ball.radius, "m");
-    // Its inertia goes by the fifth power: a double's range is 1e-308 to 1e308.
+    // The inertia is proportional to the fifth power; a double ranges from 1e-308 to 1e308.
     require(ball.radius >= least_radius && ball.radius <= 1 / least_radius,
             "MultiSphere: the radius of ball ", k, ", ", ball.radius, " [m], must be in [",
             least_radius, ", ", 1 / least_radius, "]; check its unit");
     const Vec3d& c = ball.centre;
     const double far = std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
     require(far <= most_radii_away * ball.radius, "MultiSphere: ball ", k, " of radius ",
-            ball.radius, " m is at ", c, " m, where places are rounded by ", 1.1e-16 * far,
-            " m; move the origin of its frame nearer to the body, or leave so small a ball out");
+            ball.radius, " m is at ", c, " m, where positions are rounded by ", 1.1e-16 * far,
+            " m; move the origin of its frame closer to the body, or omit such a small ball");
   }
   static constexpr double least_radius = 1e-50;    // [m]
   static constexpr double most_radii_away = 4e10;  // [-] rounding is 1e-5 of the radius there
@@ -71,7 +72,7 @@ struct MultiSphere {
     return mass ? *mass : silt::mass_properties(moments_of_union(balls));
   }
   std::vector<Ball> parts() const { return balls; }
-  /// What the form is made of: visit(name, number), for one to be told from another (checkpoints).
+  /// Description of the form for comparison (checkpoints): visit(name, number).
   template <class Visit>
   void describe(const Visit& visit) const {
     std::vector<Vec3d> centres, radii;
@@ -84,10 +85,10 @@ struct MultiSphere {
 
 static_assert(BodyShape<MultiSphere>);
 
-/// Reads a multi-sphere from a text file: a line `x y z r` a ball, in units of `scale` [m]; empty
-/// lines and what follows a # are skipped.
-/// Errors: FileError if the file cannot be read or a line is not four numbers, with its number;
-/// InputError as MultiSphere::check.
+/// Reads a multi-sphere from a text file: one line `x y z r` per ball, in units of `scale` [m].
+/// Empty lines and text after # are skipped.
+/// Errors: FileError if the file cannot be read or a line is not four numbers, with its line
+///         number; InputError as MultiSphere::check.
 inline MultiSphere read_multi_sphere(const std::string& path, double scale = 1) {
   require_positive("read_multi_sphere: scale", scale, "m");
   const std::string content = detail::read_text(path);

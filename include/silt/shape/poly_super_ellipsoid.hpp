@@ -5,15 +5,15 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Eight octants of super-ellipsoids with common exponents: on either side of each plane the
-/// semi-axis across it is its own. Smooth, convex, without symmetry.
+/// Eight octants of super-ellipsoids with common exponents: the semi-axes on the two sides of each
+/// plane differ. Smooth, convex, without symmetry.
 ///
 ///   octant moments  M_ijk = integral of x^i y^j z^k over one octant with axes a, b, c
 ///     = a^(i+1) b^(j+1) c^(k+1) / (s1 s2^2) G((i+1)/s2) G((j+1)/s2) / G(1 + (i+j+2)/s2)
 ///       B((k+1)/s1, 1 + (i+j+2)/s1)                                                            (1)
 ///
-/// Points and normals are in the shape's frame, whose origin is where the octants meet. The centre
-/// of mass lies elsewhere and the principal axes are turned: mass_properties().
+/// Points and normals are in the shape's frame, with its origin where the octants meet. The centre
+/// of mass is elsewhere and the principal axes are rotated: mass_properties().
 ///
 /// Source: S. Zhao, J. Zhao, Int. J. Numer. Anal. Methods Geomech. 43 (2019) 2147; (1) by
 ///         substitution, checked by sampling.
@@ -40,7 +40,7 @@ struct PolySuperEllipsoid {
             " [-] must not be greater than 30");
   }
 
-  /// The super-ellipsoid of which the octant at x is a part.
+  /// The super-ellipsoid that has the octant at x as a part.
   SuperEllipsoid octant(const Vec3d& x) const {
     return {x.x < 0 ? minus.x : plus.x,
             x.y < 0 ? minus.y : plus.y,
@@ -52,12 +52,12 @@ struct PolySuperEllipsoid {
 
   double value(const Vec3d& x) const { return octant(x).value(x); }
   Vec3d gradient(const Vec3d& x) const { return octant(x).gradient(x); }
-  /// A normal's octant is that of its point: each component of the gradient has the sign of x.
+  /// The octant of a normal is that of its point: each component of the gradient has the sign of x.
   double height(const Vec3d& n) const { return octant(n).height(n); }
   Vec3d support(const Vec3d& n) const { return octant(n).support(n); }
 
   double volume() const { return moment(0, 0, 0); }  // [m3]
-  /// What the form is made of: visit(name, number), for one to be told from another (checkpoints).
+  /// Description of the form for comparison (checkpoints): visit(name, number).
   template <class Visit>
   void describe(const Visit& visit) const {
     visit("semi-axis towards +x [m]", plus.x), visit("semi-axis towards +y [m]", plus.y);
@@ -80,7 +80,7 @@ struct PolySuperEllipsoid {
     return std::cbrt(0.75 * volume() / std::numbers::pi_v<double>);
   }
 
-  /// About the shape's origin [m]: every octant lies in the ball of its own super-ellipsoid.
+  /// About the shape's origin [m]: every octant is inside the ball of its own super-ellipsoid.
   double bounding_radius() const { return largest_octant().bounding_radius(); }
 
   SuperEllipsoid largest_octant() const {
@@ -91,7 +91,7 @@ struct PolySuperEllipsoid {
   }
 
  private:
-  /// With semi-axes chosen from both sides of each plane.
+  /// A super-ellipsoid with semi-axes chosen from both sides of each plane.
   template <class Choose>
   SuperEllipsoid with_axes(const Choose& choose) const {
     return {choose(plus.x, minus.x),
@@ -102,9 +102,9 @@ struct PolySuperEllipsoid {
             face_rounding};
   }
 
-  /// The integral of x^i y^j z^k over the body, by (1).
+  /// Integral of x^i y^j z^k over the body, by (1).
   double moment(int i, int j, int k) const {
-    const auto both = [](double p, double m, int power) {  // the octants on either side, with sign
+    const auto both = [](double p, double m, int power) {  // the octants on both sides, with sign
       return std::pow(p, power + 1) + (power % 2 == 0 ? 1 : -1) * std::pow(m, power + 1);
     };
     const double in_plane = (i + j + 2.0),

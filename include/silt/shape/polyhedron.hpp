@@ -15,16 +15,17 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A convex polyhedron, sharp or dilated (all points within `radius` of its core).
+/// Convex polyhedron, sharp or dilated (all points within `radius` of its core).
 ///
-/// Corners, faces and edges are those of the core, in the frame of the points it was made from;
-/// principal_shape() of shape/dilated_moments.hpp moves it to its centroid and principal axes, as
-/// bodies want it. Valid:  up to 4000 faces (and so 8000 corners): 16 bits number them and all that
-/// cuts make of them. Units:  [m]. A face's normal points outwards, its corners turn
-/// counter-clockwise seen from there. Errors: InputError with one sentence: too few points, all in
-/// one plane (convex_hull.hpp); an open,
-///         inside-out, self-touching or concave mesh (solid_mesh.hpp); faces that bound no convex
-///         body (closed_faces.hpp); a radius below 0.
+/// Corners, faces and edges are those of the core, in the frame of the points from which it was
+/// made. principal_shape() of shape/dilated_moments.hpp moves it to its centroid and principal
+/// axes. A face's normal points outwards; its corners are counter-clockwise seen from outside.
+///
+/// Valid:  up to 4000 faces (thus 8000 corners): they and all cuts of them are numbered by 16 bits.
+/// Units:  [m].
+/// Errors: InputError with one sentence: too few points, coplanar points (convex_hull.hpp); an
+///         open, inside-out, self-touching or concave mesh (solid_mesh.hpp); faces that do not
+///         bound a convex body (closed_faces.hpp); a radius below 0.
 /// Tests:  tests/shape/polyhedron.cpp, tests/shape/closed_faces.cpp
 /// Source: Steiner's formulas for the dilated body; hulls: shape/convex_hull.hpp; overlaps and
 ///         normals: shape/narrow/solid_pairs.hpp.
@@ -44,59 +45,59 @@ class Polyhedron {
     std::uint32_t from, to;     // vertices
     std::uint32_t left, right;  // faces, seen from outside along the edge
   };
-  /// x, y, z and a fourth number of vertices or planes, each on its own.
+  /// x, y, z and a fourth number of vertices or planes, each in its own array.
   struct Columns {
     std::vector<double> x, y, z, w;
     std::size_t padded = 0;
   };
-  /// The graph with coordinates on their own, padded by copies of the first vertex.
+  /// The graph with separate coordinates, padded by copies of the first vertex.
   struct GraphColumns {
     std::vector<double> x, y, z;
     std::vector<std::array<std::uint16_t, 4>> neighbour, face;  // the fourth: unused
     std::size_t size = 0;
   };
 
-  /// The convex hull of points, dilated by `radius` [m].
+  /// Convex hull of points, dilated by `radius` [m].
   static Polyhedron from_points(const std::vector<Vec3d>& points, double radius = 0) {
     return Polyhedron(convex_hull(points), radius);
   }
-  /// A closed mesh that must be convex to 1e-6 of its diagonal (corners rounded to float).
+  /// Closed mesh, convex to 1e-6 of its diagonal (corners rounded to float).
   static Polyhedron from_mesh(const std::vector<std::array<Vec3d, 3>>& triangles,
                               double radius = 0) {
     const TriangleMesh mesh = solid_mesh(triangles);
     const double dent = largest_dent(mesh), diagonal = norm(mesh.bounds().extent());
-    require(dent <= 1e-6 * diagonal, "Polyhedron: the mesh is not convex: a vertex stands ", dent,
-            " [m] out of the plane of a triangle; give convex parts, or take its convex hull");
+    require(dent <= 1e-6 * diagonal, "Polyhedron: the mesh is not convex: a vertex is ", dent,
+            " [m] outside the plane of a triangle; give convex parts, or use its convex hull");
     return Polyhedron(convex_hull(mesh.vertices()), radius);
   }
 
-  /// Corners and faces as convex_faces() gives them; they are checked (closed_faces.hpp), and must
-  /// be convex to 1e-6 of the diagonal.
+  /// From corners and faces as returned by convex_faces(). They are checked (closed_faces.hpp), and
+  /// must be convex to 1e-6 of the diagonal.
   static Polyhedron from_faces(const ConvexFaces& body, double radius = 0) {
     detail::check_faces(body);
     return Polyhedron(body, radius);
   }
-  /// What from_faces() makes the same polyhedron of: equal in all its numbers to the last bit, but
-  /// for one that was scaled(), whose numbers have another rounding.
+  /// Input of from_faces() for the same polyhedron, equal in all numbers to the last bit. Not for
+  /// one that was scaled(): its numbers are rounded differently.
   ConvexFaces convex_faces() const {
     ConvexFaces out{vertices_, {}};
     for (const Face& face : faces_) out.faces.emplace_back(loop(face).begin(), loop(face).end());
     return out;
   }
-  /// The same with all its numbers computed from corners and faces.
+  /// The same, with all numbers computed again from corners and faces.
   Polyhedron made_anew() const { return Polyhedron(convex_faces(), radius_); }
 
-  /// `scale` [-] as large, about the origin.
+  /// Scaled by `scale` [-] about the origin.
   Polyhedron scaled(double scale) const;
 
-  /// Of the same corners, faces and radius, in the same order.
+  /// True if corners, faces and radius are equal, in the same order.
   bool operator==(const Polyhedron& b) const {
     return radius_ == b.radius_ && vertices_ == b.vertices_ && loops_ == b.loops_ &&
            faces_.size() == b.faces_.size();
   }
 
-  void check() const {}  // it was when it was made
-  /// What the form is made of: visit(name, number), for one to be told from another (checkpoints).
+  void check() const {}  // checked when it was made
+  /// Description of the form for comparison (checkpoints): visit(name, number).
   template <class Visit>
   void describe(const Visit& visit) const {
     visit("corners", static_cast<double>(vertices_.size()));
@@ -104,7 +105,7 @@ class Polyhedron {
     visit("corners", std::span<const Vec3d>(vertices_));
   }
   MassProperties mass_properties() const;
-  /// In the principal frame.
+  /// Its part, in the principal frame.
   std::vector<SolidPart<Kinds>> solids(const MassProperties& mass) const;
 
   const std::vector<Vec3d>& vertices() const { return vertices_; }
@@ -119,23 +120,23 @@ class Polyhedron {
   }
   const std::vector<ClipVertex>& graph() const { return graph_; }
   const GraphColumns& graph_columns() const { return graph_columns_; }
-  /// Planes (w: offset), the last ones repeated; corners (w: 0), the last ones repeated.
+  /// Planes (w: offset) and corners (w: 0); the last ones are repeated as padding.
   const Columns& plane_columns() const { return plane_columns_; }
   const Columns& vertex_columns() const { return vertex_columns_; }
 
   double radius() const { return radius_; }                    // [m] of dilation
   double bounding_radius() const { return bounding_radius_; }  // [m] about the origin, dilated
   double core_volume() const { return core_volume_; }          // [m3]
-  double equal_volume_radius() const { return equal_volume_radius_; }  // [m] of the sphere, dilated
+  double equal_volume_radius() const { return equal_volume_radius_; }  // [m] of the dilated body
   double core_area() const { return core_area_; }                      // [m2]
   double edge_turning() const { return edge_turning_; }  // [m] sum of length times exterior angle
 
-  /// Steiner: V + S r + (1/2) sum L theta r^2 + (4/3) pi r^3.
+  /// Volume [m3] by Steiner: V + S r + (1/2) sum L theta r^2 + (4/3) pi r^3.
   double volume() const {
     const double r = radius_, pi = std::numbers::pi;
     return core_volume_ + r * (core_area_ + r * (0.5 * edge_turning_ + r * 4 / 3 * pi));
   }
-  /// Its derivative by r: S + sum L theta r + 4 pi r^2.
+  /// Area [m2], its derivative by r: S + sum L theta r + 4 pi r^2.
   double area() const {
     return core_area_ + radius_ * (edge_turning_ + 4 * std::numbers::pi * radius_);
   }
@@ -150,8 +151,8 @@ class Polyhedron {
     return out;
   }
 
-  /// The number of the core's corner farthest along `n`. Scans few corners, climbs along edges
-  /// where there are many, from `hint`, a corner near the last answer.
+  /// Number of the core's corner farthest along `n`. Tests all of a few corners; with many it
+  /// climbs along edges from `hint`, a corner near the last result.
   std::uint32_t support_vertex(const Vec3d& n, std::uint32_t hint = 0) const {
     return vertices_.size() <= 64 ? scan(n) : climb(n, hint);
   }
@@ -159,7 +160,7 @@ class Polyhedron {
   Vec3d support(const Vec3d& n) const { return vertices_[support_vertex(n)]; }
   /// max n . x over the core: all corners, in lanes.
   double reach(const Vec3d& n) const;
-  /// The face that looks most along `n`: its number, and its normal times n.
+  /// The face whose normal is closest to `n`: its number, and its normal times n.
   struct Facing {
     std::size_t face;
     double cosine;
@@ -194,7 +195,7 @@ class Polyhedron {
   std::vector<Face> faces_;
   std::vector<Edge> edges_;
   std::vector<std::uint32_t> loops_;
-  std::vector<std::uint32_t> first_neighbour_, neighbours_;  // of each corner, in turn
+  std::vector<std::uint32_t> first_neighbour_, neighbours_;  // of each corner, in order
   std::vector<ClipVertex> graph_;
   GraphColumns graph_columns_;
   Columns plane_columns_, vertex_columns_;
@@ -299,7 +300,7 @@ SILT_INLINE Lanes<DefaultArch>::Real heights_along(const Polyhedron::Columns& c,
          Real(n.z) * load_any<Real>(&c.z[k]);
 }
 
-/// The largest of them.
+/// Maximum over all entries.
 inline double highest_along(const Polyhedron::Columns& c, const Vec3d& n) {
   constexpr std::size_t width = Lanes<DefaultArch>::width;
   static_assert(Polyhedron::block % width == 0);
@@ -343,7 +344,7 @@ inline Polyhedron::Facing Polyhedron::face_towards(const Vec3d& n) const {
     if (const auto bits = lane_bits(detail::heights_along(plane_columns_, n, k) >= Real(most)))
       return {std::min(k + static_cast<std::size_t>(std::countr_zero(bits)), faces_.size() - 1),
               most};
-  return {0, most};  // n is not a number, or two roundings differ: any face will do
+  return {0, most};  // n is NaN, or roundings differ: any face is right
 }
 
 }  // namespace silt

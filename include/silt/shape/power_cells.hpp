@@ -6,15 +6,14 @@
 
 #include <silt/shape/narrow/clip.hpp>
 
-/// The power diagram of weighted sites inside a convex body.
+/// Power diagram of weighted sites inside a convex body.
 ///
 ///   cell i = { x in the body : |x - s_i|^2 - w_i <= |x - s_j|^2 - w_j for all j }             (1)
 ///   distance of the plane between i and j from s_i = (|s_j - s_i|^2 + w_i - w_j)/(2 |s_j - s_i|)
 ///   dV_i/dw_j = -A_ij/(2 |s_j - s_i|),   dV_i/dw_i = -sum over j of dV_i/dw_j                 (2)
 ///
-/// Each cell is cut from the body by its planes (narrow/clip.hpp), those of the neighbours that it
-/// had last time first. A plane farther from the site than all corners cuts nothing and is left
-/// out.
+/// Each cell is cut from the body by its planes (narrow/clip.hpp); the neighbours of the previous
+/// computation are used first. Planes farther from the site than all corners are skipped.
 /// Source: F. Aurenhammer, SIAM J. Comput. 16 (1987) 78-96.
 /// Valid:  up to Polyhedron::most_faces cells. Units: [m].
 /// Tests:  tests/shape/laguerre_cells.cpp (voro++, sampling, differences of volumes)
@@ -38,11 +37,11 @@ class PowerCells {
     std::vector<Neighbour> neighbours;
   };
 
-  /// The body must stay where it is.
+  /// The body must not move in memory.
   PowerCells(const Polyhedron& body, std::size_t cells)
       : body_(body), cells_(cells), met_(cells), faces_(first_cut_face + cells) {}
 
-  /// Measures all cells; false as soon as one has less than `least` [m3].
+  /// Computes all cells; false as soon as one is smaller than `least` [m3].
   bool measure(const PowerSites& sites, double least) {
     for (std::size_t i = 0; i < cells_.size(); ++i) {
       const auto* graph = cut(sites, i);
@@ -52,7 +51,7 @@ class PowerCells {
     }
     return true;
   }
-  /// As they were measured last.
+  /// Results of the last measure().
   const std::vector<Cell>& cells() const { return cells_; }
 
   /// Cell i, in the thread's memory until the next one is cut; nullptr if it is empty. Its faces
@@ -77,14 +76,14 @@ class PowerCells {
     std::size_t i;
     ClippedBody& body;
     const ClippedBody::Graph* graph;
-    double square;  // [m2] of the distance from the site to the farthest corner
+    double square;  // [m2] squared distance from the site to the farthest corner
   };
   struct FaceSum {
-    std::uint64_t of = 0;  // the measurement that it is of
+    std::uint64_t of = 0;  // the measurement to which it belongs
     Vec3d corner, twice_area;
   };
 
-  /// Cuts by the plane towards cell j, where it comes near; false if nothing is left.
+  /// Cuts by the plane towards cell j if it is near enough; false if nothing remains.
   static bool cut_by(Cut& cut, std::size_t j) {
     const auto& [at, weight] = cut.sites;
     const Vec3d way = at[j] - at[cut.i];
@@ -92,7 +91,7 @@ class PowerCells {
     const double reach = square + change;  // twice the distance of (1), times |way|
     if (reach > 0 && reach * reach >= 4 * cut.square * square) return true;
     const double scale = 1 / std::sqrt(square);
-    const Vec3d normal = scale * way;  // as seen from j: the same plane, to the last bit
+    const Vec3d normal = scale * way;  // from j: the same plane, to the last bit
     if (!cut.body.cut({normal, 0.5 * (dot(normal, at[cut.i] + at[j]) + scale * change)},
                       first_cut_face + j))
       return false;
@@ -105,7 +104,7 @@ class PowerCells {
     return true;
   }
 
-  /// Sums det = c . (a x b) over the ways a to b around faces with a corner c, about the site.
+  /// Sums det = c . (a x b) over the edges a to b around faces with a corner c, about the site.
   void measure(const ClippedBody::Graph& g, const Vec3d& site, std::size_t i) {
     auto& cell = cells_[i];
     cell.neighbours.clear(), ++now_;
@@ -133,23 +132,23 @@ class PowerCells {
   const Polyhedron& body_;
   std::vector<Cell> cells_;
   std::uint64_t now_ = 0;
-  std::vector<std::uint64_t> met_;  // when a cell's plane was tried last
+  std::vector<std::uint64_t> met_;  // when a cell's plane was last tried
   std::vector<FaceSum> faces_;      // by their numbers
 };
 
-/// Makes polyhedra of cells, one after the other. A corner that cells share has the same numbers,
-/// bit for bit, in all of them: it is known by the four cells and faces that meet in it.
+/// Makes polyhedra of cells, one after the other. A shared corner has the same numbers, bit for
+/// bit, in all cells: it is identified by the four cells and faces that meet there.
 class CellForms {
  public:
-  /// Edges shorter than this part of a cell's diagonal are not clean: the normal of a triangle as
-  /// thin is known to 1e-11, and the hull takes 1e-10 of the diagonal for rounding.
+  /// Edges shorter than this part of a cell's diagonal are not clean: the normal of such a thin
+  /// triangle is accurate to 1e-11, and the hull takes 1e-10 of the diagonal for rounding.
   static constexpr double shortest = 1e-5;
 
   explicit CellForms(std::size_t cells) : cells_(cells) {}
 
-  /// Cell i; if it `must_be_clean`, none if it has such an edge (but for the body's own) or if the
-  /// hull has lost a corner or a face.
-  /// Errors: InputError for one that is flat to rounding.
+  /// Cell i. With `must_be_clean`: none if it has such an edge (other than those of the body) or if
+  /// the hull has lost a corner or a face.
+  /// Errors: InputError for a cell that is flat to rounding.
   std::optional<Polyhedron> form(const ClippedBody::Graph& g, std::size_t i, bool must_be_clean) {
     std::vector<Vec3d> points;
     Box box;
@@ -171,7 +170,7 @@ class CellForms {
       }
     if (must_be_clean && !clean) return {};
     auto out = Polyhedron::from_points(points);
-    // Of V vertices with three edges each and F faces: V - 3/2 V + F = 2.
+    // V vertices with three edges each, and F faces: V - 3/2 V + F = 2.
     clean &= out.vertices().size() == corners && out.faces().size() == 2 + g.size / 2;
     if (must_be_clean && !clean) return {};
     return out;

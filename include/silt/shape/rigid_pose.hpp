@@ -5,23 +5,23 @@
 #include <silt/core/quaternion.hpp>
 #include <silt/core/symmetric3.hpp>
 
-/// Where a body stands: what the narrow phase of shapes takes. A matrix, as one turns many vectors.
+/// Pose of a body, the input of the narrow phases. A matrix is used, as many vectors are rotated.
 /// Tests: tests/shape/polyhedron.cpp
 
 namespace silt::inline SILT_TARGET {
 
-/// A rotation by its columns: the body's axes seen in space.
+/// Rotation by its columns: the body's axes in space.
 struct RotationMatrix {
   Vec3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
 
   friend SILT_INLINE Vec3d operator*(const RotationMatrix& r, const Vec3d& v) {
     return v.x * r.x + v.y * r.y + v.z * r.z;
   }
-  /// The inverse: space to body.
+  /// Inverse rotation: space to body.
   SILT_INLINE Vec3d back(const Vec3d& v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
 };
 
-/// The matrix of a turn.
+/// Matrix of a rotation.
 inline RotationMatrix rotation_matrix(const Quaternion& q) {
   const double xx = q.x * q.x, yy = q.y * q.y, zz = q.z * q.z;
   const double xy = q.x * q.y, xz = q.x * q.z, yz = q.y * q.z;
@@ -31,12 +31,12 @@ inline RotationMatrix rotation_matrix(const Quaternion& q) {
           {2 * (xz + wy), 2 * (yz - wx), 1 - 2 * (xx + yy)}};
 }
 
-/// A tensor in the body's axes, seen in space.
+/// A tensor in the body's axes, transformed to space.
 inline Symmetric3 turned(const RotationMatrix& r, const Symmetric3& s) {
   return tensor_along(r.x, r.y, r.z, s);
 }
 
-/// Where a body is and how it lies.
+/// Position and orientation of a body.
 struct RigidPose {
   Vec3d position{0, 0, 0};  // [m] of the body's origin
   RotationMatrix turn;      // body to space

@@ -3,7 +3,7 @@
 
 #include <silt/boundary/triangle_mesh.hpp>
 
-/// What makes a triangle mesh the surface of one solid, and what makes that solid convex.
+/// Checks that a triangle mesh is the surface of one solid, and that this solid is convex.
 /// Tests: tests/shape/polyhedron.cpp (each refusal)
 
 namespace silt::inline SILT_TARGET {
@@ -70,22 +70,22 @@ inline void check_apart(const TriangleMesh& mesh, const MeshTopology& topology, 
 
 }  // namespace detail
 
-/// Throws InputError, with one sentence, unless the triangles bound one solid: closed, turned
-/// outwards, two triangles at each edge, one fan at each vertex, no edge through a triangle.
+/// InputError, with one sentence, unless the triangles bound one solid: closed, oriented outwards,
+/// two triangles at each edge, one fan at each vertex, no edge through a triangle.
 inline TriangleMesh solid_mesh(const std::vector<std::array<Vec3d, 3>>& triangles) {
   TriangleMesh mesh(triangles);
   require(mesh.is_closed(),
-          "Polyhedron: the mesh is open or its triangles do not all turn the same "
-          "way round; close its gaps and turn each counter-clockwise seen from outside");
+          "Polyhedron: the mesh is open or its triangles are not oriented the same "
+          "way; close its gaps and order each triangle counter-clockwise seen from outside");
   require(mesh.volume() > 0, "Polyhedron: the mesh is inside out (its volume is ", mesh.volume(),
-          " [m3]); turn its triangles counter-clockwise seen from outside");
+          " [m3]); order its triangles counter-clockwise seen from outside");
   const detail::MeshTopology topology(mesh.vertices(), mesh.triangles());
   detail::check_manifold(topology, mesh.triangles().size(), mesh.vertices());
   detail::check_apart(mesh, topology, 1e-9 * norm(mesh.bounds().extent()));
   return mesh;
 }
 
-/// How far [m] a vertex stands out of the plane of a triangle: 0 to rounding for a convex solid.
+/// Largest height [m] of a vertex above the plane of a triangle: 0 to rounding for a convex solid.
 inline double largest_dent(const TriangleMesh& mesh) {
   double dent = 0;
   for (const auto& [i, j, k] : mesh.triangles()) {

@@ -9,8 +9,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The body (|x/a|^s2 + |y/b|^s2)^(s1/s2) + |z/c|^s1 <= 1: sphere, ellipsoid (s1 = s2 = 2),
-/// cylinder (s1 large, s2 = 2), box (both large). Convex, symmetric to three planes.
+/// Super-ellipsoid (|x/a|^s2 + |y/b|^s2)^(s1/s2) + |z/c|^s1 <= 1: sphere, ellipsoid (s1 = s2 = 2),
+/// cylinder (s1 large, s2 = 2), box (both large). Convex, symmetric about three planes.
 ///
 ///   f = A^(s1/s2) + |z/c|^s1 - 1,  A = |x/a|^s2 + |y/b|^s2                                    (1)
 ///   h(n) = ((|a nx|^p2 + |b ny|^p2)^(p1/p2) + |c nz|^p1)^(1/p1),  p = s/(s - 1)               (2)
@@ -22,7 +22,7 @@ namespace silt::inline SILT_TARGET {
 ///         Recovery of Superquadrics (2000), ch. 2 (volume, inertia); (2), (3): Hoelder's
 ///         inequality.
 /// Valid:  s1, s2 in [2, 40], largest over smallest semi-axis <= 30.
-/// Units:  SI; points and normals in the body's own axes, normals of any length but 0.
+/// Units:  SI; points and normals in the body's own axes, normals of any length except 0.
 /// Errors: check() throws InputError: field, value, unit, range.
 /// Tests:  tests/shape/super_ellipsoid.cpp.
 struct SuperEllipsoid {
@@ -32,9 +32,9 @@ struct SuperEllipsoid {
   double a, b, c;  // [m] semi-axes
   double s1 = 2;   // [-] exponent between z and the x-y plane
   double s2 = 2;   // [-] exponent in the x-y plane
-  /// [-] Contact sees faces that are rounded off, as no normal of a flat one depends on the place:
-  /// by at most 3 times this part of the smallest semi-axis. Nothing at s = 2. See
-  /// shape/narrow/super_ellipsoid_cap.hpp.
+  /// [-] Faces are slightly rounded in the contact search, because on a flat face the normal does
+  /// not determine the point. The rounding is at most 3 times this part of the smallest semi-axis,
+  /// and 0 at s = 2. See shape/narrow/super_ellipsoid_cap.hpp.
   double face_rounding = 1e-4;
 
   bool operator==(const SuperEllipsoid&) const = default;
@@ -53,7 +53,7 @@ struct SuperEllipsoid {
   }
 
   double smallest_axis() const { return std::min({a, b, c}); }
-  /// What the form is made of: visit(name, number), for one to be told from another (checkpoints).
+  /// Description of the form for comparison (checkpoints): visit(name, number).
   template <class Visit>
   void describe(const Visit& visit) const {
     visit("semi-axis a [m]", a), visit("semi-axis b [m]", b), visit("semi-axis c [m]", c);
@@ -67,15 +67,15 @@ struct SuperEllipsoid {
     return std::pow(in_plane(x), s1 / s2) + std::pow(std::abs(x.z / c), s1) - 1;
   }
 
-  /// grad f [1/m]; along the outward normal on the surface.
+  /// grad f [1/m]; on the surface along the outward normal.
   Vec3d gradient(const Vec3d& x) const {
     const double A = in_plane(x), q = A > 0 ? s1 * std::pow(A, s1 / s2 - 1) : 0;
     return {q / a * odd_power(x.x / a, s2 - 1), q / b * odd_power(x.y / b, s2 - 1),
             s1 / c * odd_power(x.z / c, s1 - 1)};
   }
 
-  /// Second derivatives of f [1/m2]. On the z axis, where those of s1 = 2 < s2 depend on the
-  /// direction, the ones along x and y.
+  /// Second derivatives of f [1/m2]. On the z axis those of s1 = 2 < s2 depend on the direction;
+  /// the ones along x and y are returned.
   Symmetric3 hessian(const Vec3d& x) const {
     const double A = in_plane(x), r = s1 / s2;
     Symmetric3 H;
@@ -93,14 +93,15 @@ struct SuperEllipsoid {
     return H;
   }
 
-  /// The point of the surface on the ray from the centre through x.
+  /// Point of the surface on the ray from the centre through x.
   Vec3d surface_point(const Vec3d& x) const {
-    // Near the surface first: far from it the powers overflow, or drown in the 1 of f.
+    // First to a point near the surface: far from it powers overflow, or are lost beside the 1 of
+    // f.
     const Vec3d y = x * (1 / std::max({std::abs(x.x / a), std::abs(x.y / b), std::abs(x.z / c)}));
     return y * std::pow(value(y) + 1, -1 / s1);
   }
 
-  /// Mean curvature (5) [1/m] at a point of the surface; that of a sphere is 1/R.
+  /// Mean curvature (5) [1/m] at a point of the surface; 1/R for a sphere.
   double mean_curvature(const Vec3d& x) const {
     const Vec3d g = gradient(x);
     const Symmetric3 H = hessian(x);
@@ -110,7 +111,7 @@ struct SuperEllipsoid {
     return (g2 * H.trace() - gHg) / (2 * g2 * std::sqrt(g2));
   }
 
-  /// The radius [m] that Hertz' law takes at a point of the surface: that of mean curvature, at
+  /// Radius of curvature [m] for Hertz' law at a point of the surface: from the mean curvature, at
   /// most the bounding radius (faces), at least 0.05 radii of the sphere of equal volume (corners).
   double contact_radius(const Vec3d& x) const {
     const double smallest = 0.05 * equal_volume_radius(), largest = bounding_radius();
@@ -119,13 +120,14 @@ struct SuperEllipsoid {
 
   // ---- support ----------------------------------------------------------------------------------
 
-  /// h(n) of (2) [m] for unit n: the distance of the tangent plane with normal n from the centre.
+  /// h(n) of (2) [m] for unit n: distance from the centre to the tangent plane with normal n.
   double height(const Vec3d& n) const {
     const double p1 = dual(s1);
     return std::pow(std::pow(height_in_plane(n), p1) + std::pow(std::abs(c * n.z), p1), 1 / p1);
   }
 
-  /// The point of the surface whose outward normal is n; of a face's middle where n is its normal.
+  /// Point of the surface with the outward normal n; the middle of a face if n is the face's
+  /// normal.
   Vec3d support(const Vec3d& n) const {
     const double p1 = dual(s1), p2 = dual(s2), h = height(n), A = height_in_plane(n);
     const double q = A > 0 ? std::pow(A / h, p1 - 1) : 0;
@@ -160,10 +162,10 @@ struct SuperEllipsoid {
     return std::sqrt(dual_norm(dual_norm(a * a, b * b, s2), c * c, s1));
   }
 
-  /// By quadrature, to some 1e-6 [m2].
+  /// By quadrature, error about 1e-6 [m2].
   double surface_area() const;
 
-  /// Surface of the sphere of equal volume over its own [-]; 1 of a sphere.
+  /// Surface of the sphere of equal volume over its own [-]; 1 for a sphere.
   double sphericity() const {
     const double r = equal_volume_radius();
     return 4 * std::numbers::pi_v<double> * r * r / surface_area();
@@ -201,9 +203,9 @@ static_assert(SolidShape<SuperEllipsoid>);
 
 namespace detail {
 
-/// Area of the part of the surface of a super-ellipsoid's first octant where its x / a is largest;
-/// `form` has its axes in the order of the wanted part. Chart: the ray through (a, b u, c v);
-/// nodes crowd at u, v = 1, where the edges are.
+/// Area of the part of the surface of a super-ellipsoid's first octant where x / a is largest;
+/// `form` has its axes in the order of that part. Chart: the ray through (a, b u, c v); nodes are
+/// concentrated at u, v = 1, where the edges are.
 template <class Gauge>
 double area_of_part(double a, double b, double c, const Gauge& gauge) {
   constexpr int panels = 40;
@@ -238,7 +240,8 @@ inline double SuperEllipsoid::surface_area() const {
     });
   };
   const auto same = [](const Vec3d& t) { return t; };
-  const auto on = [](const Vec3d& t) { return Vec3d{t.z, t.x, t.y}; };    // y is the part's first
+  // y is the part's first axis
+  const auto on = [](const Vec3d& t) { return Vec3d{t.z, t.x, t.y}; };
   const auto back = [](const Vec3d& x) { return Vec3d{x.y, x.z, x.x}; };  // inverse of `on`
   return 8 * (part(a, b, c, same, same) + part(b, c, a, on, back) + part(c, a, b, back, on));
 }

@@ -12,7 +12,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Triangles that show a shape, outward side to the front, in its own frame.
+/// Triangles to display a shape, outward side in front, in its own frame.
 struct SurfaceMesh {
   std::vector<Vec3d> points;  // [m]
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -20,14 +20,14 @@ struct SurfaceMesh {
 
 namespace detail {
 
-/// The cube from -1 to 1 by a grid of `cells` by `cells` a face, each of its points moved to
+/// The cube from -1 to 1 with a grid of `cells` by `cells` per face, each point moved to
 /// place(point).
 template <class Place>
 SurfaceMesh moved_cube(int cells, const Place& place) {
   require(cells >= 1, "surface_of: cells = ", cells, " [-] must be at least 1");
   SurfaceMesh mesh;
   const int n = cells + 1;
-  // Places on the cube, in steps of the grid, that a point has been made for: shared by faces.
+  // Points of the cube, in steps of the grid, that already exist: they are shared by faces.
   std::vector<std::uint32_t> made(static_cast<std::size_t>(n) * n * n, ~0u);
   const auto point = [&](const std::array<int, 3>& at) {
     auto& index = made[(static_cast<std::size_t>(at[0]) * n + at[1]) * n + at[2]];
@@ -57,7 +57,7 @@ SurfaceMesh moved_cube(int cells, const Place& place) {
   return mesh;
 }
 
-/// Adds another mesh, turned and then moved.
+/// Adds another mesh, first rotated, then moved.
 inline void append(SurfaceMesh& all, const SurfaceMesh& more, const Vec3d& move,
                    const Quaternion& turn) {
   const auto first = static_cast<std::uint32_t>(all.points.size());
@@ -68,8 +68,8 @@ inline void append(SurfaceMesh& all, const SurfaceMesh& more, const Vec3d& move,
 
 }  // namespace detail
 
-/// The surface of a super-ellipsoid on the rays through a grid of `cells` by `cells` on each face
-/// of the box around it; edges and corners of the body lie on lines of the grid.
+/// Surface of a super-ellipsoid on the rays through a grid of `cells` by `cells` on each face of
+/// its bounding box; edges and corners of the body are on lines of the grid.
 /// Tests: tests/shape/super_ellipsoid.cpp.
 inline SurfaceMesh surface_of(const SuperEllipsoid& shape, int cells = 8) {
   return detail::moved_cube(cells, [&](const Vec3d& x) {
@@ -92,7 +92,7 @@ inline SurfaceMesh surface_of(const MultiSphere& shape, int cells = 6) {
                    {});
   return all;
 }
-/// A dilated one by its points with normals through the grid.
+/// Surface of a dilated polyhedron, by its points with normals through the grid.
 inline SurfaceMesh surface_of(const Polyhedron& shape, int cells = 24) {
   if (shape.radius() > 0)
     return detail::moved_cube(cells, [&](const Vec3d& x) {

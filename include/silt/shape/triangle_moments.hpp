@@ -6,9 +6,9 @@
 
 #include <silt/shape/mass_properties.hpp>
 
-/// Mass properties of any solid inside closed triangles, convex or not.
+/// Mass properties of any solid bounded by closed triangles, convex or not.
 ///
-/// With det = a . (b x c) of an outward triangle (a, b, c), all about one origin,
+/// With det = a . (b x c) of an outward triangle (a, b, c), all about one origin:
 ///   6 V = sum det,   24 V centroid = sum det (a + b + c),                                     (1)
 ///   S_ij = int x_i x_j dV = sum det/120 [ (a+b+c)_i (a+b+c)_j + a_i a_j + b_i b_j + c_i c_j ] (2)
 /// Source: the divergence theorem on tetrahedra (origin, a, b, c); B. Mirtich, Fast and accurate
@@ -18,7 +18,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// (1) and (2) about `origin`.
+/// Moments (1) and (2) about `origin`.
 inline Moments moments_of(const std::vector<std::array<Vec3d, 3>>& triangles, const Vec3d& origin) {
   Moments m;
   for (const auto& triangle : triangles) {
@@ -41,12 +41,12 @@ inline MassProperties mass_properties_about(const Vec3d& origin, const Moments& 
 
 inline MassProperties mass_properties(const std::vector<std::array<Vec3d, 3>>& triangles) {
   require(!triangles.empty(), "mass_properties: no triangles given");
-  Vec3d origin{0, 0, 0};  // amidst the corners, against cancellation far from zero
+  Vec3d origin{0, 0, 0};  // in the middle of the corners, against cancellation far from zero
   for (const auto& [a, b, c] : triangles) origin += a + b + c;
   origin *= 1 / (3.0 * static_cast<double>(triangles.size()));
   const auto moments = moments_of(triangles, origin);
   require(moments.volume > 0, "mass_properties: the triangles enclose ", moments.volume,
-          " [m3]; they must be closed and turn counter-clockwise seen from outside");
+          " [m3]; they must be closed and ordered counter-clockwise seen from outside");
   return mass_properties_about(origin, moments);
 }
 

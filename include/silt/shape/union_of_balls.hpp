@@ -13,20 +13,22 @@
 #include <silt/core/gauss_rule.hpp>
 #include <silt/shape/concept.hpp>
 
-/// Moments of the union of balls, where they overlap counted once.
+/// Moments of the union of balls; overlaps are counted once.
 ///
-/// Balls that touch no other are added in closed form. The others are taken cluster by cluster, in
-/// a frame of the cluster's own place and size, across x: of each slice the moments of a union of
-/// discs follow, exactly, from the arcs of its outline (Green's theorem),
+/// Balls without overlap are added in closed form. The others are processed cluster by cluster, in
+/// a frame with the position and size of the cluster. The cluster is cut into slices normal to x.
+/// The moments of a slice, a union of discs, follow exactly from the arcs of its outline (Green's
+/// theorem):
 ///
 ///   A = oint y dz,  int y = 1/2 oint y^2 dz,  int z = oint y z dz,                             (1)
 ///   int y^2 = 1/3 oint y^3 dz,  int z^2 = oint y z^2 dz,  int y z = 1/2 oint y^2 z dz          (2)
 ///
-/// and slices are summed by Gauss's rule between the x at which balls and the circles in which two
-/// of them cut each other begin and end; of dense crowds of balls, between those of balls alone or
-/// in even steps.
-/// Errors: of volume and inertia 1e-9 where the circles are taken (a dozen balls in a heap, a
-///         thousand in a chain), 1e-5 of 1000 that fill a box 10 times over, 5e-5 of 5000.
+/// Slices are summed by Gauss quadrature between the x at which balls, and the circles in which two
+/// balls intersect, begin and end. For dense clusters the intervals are those of the balls only, or
+/// uniform.
+///
+/// Errors: 1e-9 of volume and inertia where the circles are used (a dozen balls in a heap, a
+///         thousand in a chain), 1e-5 for 1000 balls that fill a box 10 times over, 5e-5 for 5000.
 /// Tests:  tests/shape/multi_sphere.cpp, tests/shape/translation.cpp.
 namespace silt::inline SILT_TARGET {
 
@@ -56,7 +58,7 @@ struct ArcIntegrals {
   }
 };
 
-/// (1) and (2) along the arc of a disc from angle `from` to `to`.
+/// Integrals (1) and (2) along the arc of a disc from angle `from` to `to`.
 inline void add_arc(const SliceDisc& d, double from, double to, AreaMoments& m) {
   const double a = d.y, b = d.z, r = d.r;
   const ArcIntegrals i(from, to);
@@ -71,7 +73,7 @@ inline void add_arc(const SliceDisc& d, double from, double to, AreaMoments& m) 
            r * (2 * a * (b * i.cc + r * i.ccs) + r * (b * i.ccc + r * i.cccs)));
 }
 
-/// Calls visit(i, j) for each two balls that overlap.
+/// Calls visit(i, j) for every two balls that overlap.
 template <class Visit>
 void for_overlapping(std::span<const Ball> balls, const Visit& visit) {
   std::vector<std::size_t> order(balls.size());
@@ -92,7 +94,7 @@ void for_overlapping(std::span<const Ball> balls, const Visit& visit) {
   }
 }
 
-/// Balls that hang together, in a frame amidst them in which they are of size 1.
+/// Balls connected by overlaps, in a frame at their middle in which they have size 1.
 class BallCluster {
  public:
   BallCluster(std::span<const Ball> balls, double work)
@@ -110,7 +112,7 @@ class BallCluster {
                    half = 0.5 * (panels[k + 1] - panels[k]);
       if (!(half > 1e-14)) continue;
       for (std::size_t n = 0; n < rule.at.size(); ++n) {
-        // x = sin: discs begin and overlap as powers 1/2 and 3/2 of the way from a kink.
+        // x = sin: near a kink discs begin and overlap as powers 1/2 and 3/2 of the distance.
         const double angle = std::numbers::pi * (rule.at[n] - 0.5);
         const double x = middle + half * std::sin(angle);
         const double w = half * std::numbers::pi * std::cos(angle) * rule.weight[n];
@@ -124,7 +126,7 @@ class BallCluster {
   }
 
  private:
-  /// Of the union of the discs at x.
+  /// Moments of the union of the discs at x.
   AreaMoments slice(double x) {
     constexpr double pi = std::numbers::pi;
     discs_.resize(balls_.size());
@@ -144,7 +146,7 @@ class BallCluster {
         const double dy = e.y - d.y, dz = e.z - d.z, apart2 = dy * dy + dz * dz;
         if (!(e.r > 0) || apart2 >= (d.r + e.r) * (d.r + e.r)) continue;
         const double apart = std::sqrt(apart2);
-        if (apart <= std::abs(e.r - d.r)) {  // one in the other; of equal ones the first counts
+        if (apart <= std::abs(e.r - d.r)) {  // one inside the other; of equal ones the first counts
           inside = e.r > d.r || (e.r == d.r && j < i);
           if (inside) break;
           continue;
@@ -168,8 +170,8 @@ class BallCluster {
     return m;
   }
 
-  /// The x between which slices change smoothly; of many balls so few, evenly spaced, that the
-  /// work is bounded.
+  /// The x between which slices change smoothly; for many balls fewer, equidistant ones, which
+  /// bounds the work.
   std::vector<double> panel_ends() const {
     std::vector<double> at, circles;
     double arcs = 0.02 * static_cast<double>(balls_.size());  // per slice, as an estimate
@@ -192,7 +194,7 @@ class BallCluster {
                                       static_cast<double>(panels));
     return even;
   }
-  /// The ends of the circle in which two balls cut each other.
+  /// The ends of the circle in which two balls intersect.
   static void add_circle(const Ball& a, const Ball& b, std::vector<double>& at) {
     const Vec3d between = b.centre - a.centre;
     const double d2 = dot(between, between);
@@ -212,7 +214,7 @@ class BallCluster {
   std::vector<std::pair<double, double>> covered_;
 };
 
-/// The number of the cluster of each ball: those that overlap, directly or by others, are in one.
+/// Cluster number of each ball: balls that overlap, directly or through others, are in one cluster.
 inline std::vector<std::size_t> clusters_of(std::span<const Ball> balls) {
   std::vector<std::size_t> cluster(balls.size());
   std::iota(cluster.begin(), cluster.end(), std::size_t{0});
@@ -230,8 +232,8 @@ inline std::vector<std::size_t> clusters_of(std::span<const Ball> balls) {
 
 }  // namespace detail
 
-/// About the middle of the box around the balls. `work` [-]: arcs that slices between all kinks may
-/// take; beyond it the circles are left out. Units: m; no balls, no volume.
+/// About the middle of the bounding box of the balls. `work` [-]: limit of the number of arcs in
+/// slices between all kinks; beyond it the circles are omitted. Units: m; no balls, no volume.
 inline Moments moments_of_union(std::span<const Ball> balls, double work = 2e5) {
   Moments all;
   if (balls.empty()) return all;
@@ -253,7 +255,7 @@ inline Moments moments_of_union(std::span<const Ball> balls, double work = 2e5) 
   for (auto& some : clusters) {
     if (some.empty()) continue;
     box_of(some, low, high);
-    // A ball alone is about its own centre, exactly.
+    // A single ball is about its own centre, exactly.
     const Vec3d own = some.size() == 1 ? some[0].centre : low + 0.5 * (high - low);
     const double size = some.size() == 1
                             ? some[0].radius

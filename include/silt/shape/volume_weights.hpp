@@ -3,20 +3,23 @@
 
 #include <silt/shape/power_cells.hpp>
 
-/// Weights of a power diagram by which its cells have given volumes.
+/// Weights of a power diagram that give its cells prescribed volumes.
 ///
-/// Volumes are the slope of a concave function of the weights (semi-discrete optimal transport).
-/// Newton's method solves L delta = wanted - V with L of (2) in power_cells.hpp, a Laplacian of the
-/// graph of neighbours, by L D L^T with the largest cell's weight held. A step is halved until no
-/// cell has less than half of what the least one of all had at first or is to have, and the error
-/// has become smaller by 1 - step/2: this converges from all weights that leave no cell empty.
-/// Source: J. Kitagawa, Q. Merigot, B. Thibert, J. Eur. Math. Soc. 21 (2019) 2603-2651,
-/// algorithm 1. Tests:  tests/shape/laguerre_cells.cpp
+/// The volumes are the gradient of a concave function of the weights (semi-discrete optimal
+/// transport). Newton's method solves L delta = wanted - V with L of (2) in power_cells.hpp, a
+/// graph Laplacian of the neighbours, by L D L^T with the weight of the largest cell fixed. A step
+/// is halved until two conditions hold: every cell has at least half of the smallest volume of all
+/// cells, initial or prescribed; and the error decreases by the factor 1 - step/2. This converges
+/// from all weights without empty cells.
+///
+/// Source: J. Kitagawa, Q. Merigot, B. Thibert, J. Eur. Math. Soc. 21 (2019) 2603-2651, algorithm
+///         1.
+/// Tests:  tests/shape/laguerre_cells.cpp
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Solves A x = b for a symmetric positive definite matrix of dense rows, of which the lower half
-/// is read and overwritten. A pivot that rounding has eaten holds its unknown at 0.
+/// Solves A x = b for a symmetric positive definite matrix of dense rows; the lower half is read
+/// and overwritten. A pivot lost to rounding keeps its unknown at 0.
 inline void solve_definite(std::vector<double>& a, std::vector<double>& b) {
   const std::size_t n = b.size();
   std::vector<double> column(n);
@@ -44,7 +47,7 @@ class VolumeWeights {
         static_cast<std::size_t>(std::max_element(wanted.begin(), wanted.end()) - wanted.begin());
   }
 
-  /// Changes weights until all volumes are right to `part` of their own; false if that cannot be.
+  /// Changes weights until all volumes are right to `part` of their own; false if impossible.
   bool fit(PowerSites& sites, double part) {
     if (!start(sites)) return false;
     least_ = std::numeric_limits<double>::infinity();
@@ -54,7 +57,7 @@ class VolumeWeights {
       if (!step_from(sites, 1e-9)) return false;
     return worst(part) <= part;
   }
-  /// To rounding: each full step squares the error.
+  /// Fits to rounding: each full step squares the error.
   bool fit(PowerSites& sites) {
     if (!fit(sites, 1e-6)) return false;
     for (int step = 0; step < 2 && step_from(sites, 1);) ++step;
@@ -63,7 +66,7 @@ class VolumeWeights {
   PowerCells& cells() { return cells_; }
 
  private:
-  /// Weights towards 0, Voronoi's, where no cell is empty as long as sites are inside the body.
+  /// Moves weights towards 0 (Voronoi), where no cell is empty if the sites are inside the body.
   bool start(PowerSites& sites) {
     for (int k = 0; k < 30; ++k) {
       if (cells_.measure(sites, std::numeric_limits<double>::min())) return true;
@@ -72,8 +75,8 @@ class VolumeWeights {
     return cells_.measure(sites, std::numeric_limits<double>::min());
   }
 
-  /// The largest error [-] of a volume, as part of what it should be; small ones count as 1e-6 of
-  /// the body, whose rounding they have, or for a rough fit as 1e-2 `part` of it.
+  /// Largest relative error [-] of a volume. Small volumes count as 1e-6 of the body, whose
+  /// rounding they have; in a rough fit as 1e-2 `part` of it.
   double worst(double part) const {
     const double small = std::max(0.01 * part, 1e-6) * all_;
     double most = 0;
@@ -91,7 +94,7 @@ class VolumeWeights {
     return std::sqrt(sum);
   }
 
-  /// A step, halved down to `least_part` at most; without one, all stays as it was.
+  /// A step, halved down to `least_part`; if none is accepted, nothing changes.
   bool step_from(PowerSites& sites, double least_part) {
     const double before = error();
     const auto delta = newton(sites);
@@ -127,8 +130,8 @@ class VolumeWeights {
 
   const std::vector<double> wanted_;  // [m3]
   double all_;                        // [m3] the body's volume
-  double least_ = 0;                  // [m3] no cell may have less
-  std::size_t held_;                  // the cell whose weight is held
+  double least_ = 0;                  // [m3] lower bound of all cells
+  std::size_t held_;                  // the cell with the fixed weight
   PowerCells cells_;
 };
 

@@ -1,7 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -13,9 +12,6 @@
 #include <silt/breakage/fragment_sizes.hpp>
 #include <silt/breakage/smallest_cell.hpp>
 #include <silt/core/error.hpp>
-#include <silt/engine/checks/ended_contacts.hpp>
-#include <silt/engine/checks/ended_solid_contacts.hpp>
-#include <silt/engine/population/arrivals.hpp>
 #include <silt/engine/stages/break_stage.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -29,17 +25,17 @@ class BreakAccess {
   const auto& breakage() const requires(S::has_breakage) {
     return sim().modules_.template get<typename S::Composition::Breaking>();
   }
-  /// Mass by size and time of birth of what is too small to be simulated.
+  /// Mass of the fragments that are too small to be simulated, by size and time of birth.
   template <class S = Sim>
   const SizeTable& dust() const requires(S::has_breakage) {
     return sim().breaks_.dust.all;
   }
-  /// The same of particles that left: through outlets, or removed.
+  /// The same for particles that left through outlets or were removed.
   template <class S = Sim>
   const SizeTable& left() const requires(S::has_breakage && !S::has_ranks) {
     return sim().breaks_.left.all;
   }
-  /// On many ranks of all (collective).
+  /// On many ranks, those of all ranks (collective).
   template <class S = Sim>
   SizeTable left() const requires(S::has_breakage&& S::has_ranks) {
     return table_of_ranks(sim().breaks_.left.all);
@@ -109,7 +105,8 @@ class BreakAccess {
       break_own(id, k);
     }
   }
-  /// Those since the start; by force none are noted. On many ranks of all (collective).
+  /// Impacts since the start; none are noted where particles break by force. On many ranks, those
+  /// of all ranks (collective).
   template <class S = Sim>
   ImpactEnergies impact_energies() const requires(S::has_breakage&& S::has_ranks) {
     auto numbers = sim().breaks_.impacts.state();
@@ -118,18 +115,19 @@ class BreakAccess {
     all.restore(numbers);
     return all;
   }
-  /// Those since the start; by force none are noted.
+  /// Impacts since the start; none are noted where particles break by force.
   template <class S = Sim>
   const ImpactEnergies& impact_energies() const requires(S::has_breakage && !S::has_ranks) {
     return sim().breaks_.impacts;
   }
-  /// Since the program began: a checkpoint does not keep it. On many ranks of this one's particles.
+  /// The largest since the program began; checkpoints do not keep it. On many ranks, of this rank's
+  /// particles.
   template <class S = Sim>
   const LargestLoad& largest_load() const requires(S::has_breakage) {
     return sim().breaks_.largest;
   }
 
-  // Without the policy: a sentence.
+  // Without the policy: a message at compile time.
   template <class S = Sim, class... Any>
   void break_particle(const Any&...) requires(!S::has_breakage) {
     needs_policy<S>();
@@ -152,38 +150,10 @@ class BreakAccess {
   }
 
  protected:
-  /// Replaces what is due to break, before a step. Returns whether the time step is to be looked at
-  /// in this step.
-  bool break_due() {
-    auto& s = sim();
-    s.breaks_.events.clear();
-    auto& stage = s.breaks_;
-    const bool follows = follows_sizes();
-    bool looks = follows && (!stage.sizes.known() || s.step_ % LivingSizes::look_every == 0);
-    if (follows) stage.sizes.safeguards = s.engine_.safeguards;
-    if constexpr (Sim::has_ranks) return break_due_of_ranks(), looks;
-    if (stage.due.empty()) return looks;
-    std::vector<Parent> parents;
-    typename Sim::ParticlesType fragments;
-    for (const DueBreak& one : std::exchange(stage.due, {})) {
-      const std::size_t k = s.engine_.find(one.id);
-      if (k < s.rows())
-        break_one(one, s.engine_.owner(k), s.engine_.volume_of(k), own_fields(k), k, parents,
-                  fragments);
-    }
-    const std::size_t from = s.rows();
-    if constexpr (Sim::has_ledger)
-      if (s.first_kick_) s.book_.was_there(energy_of_all());
-    take_place(parents, fragments);
-    if constexpr (Sim::has_ledger)
-      if (s.first_kick_) s.book_.was_there(-energy_of_all());
-    // How thin a cell is its mass does not tell.
-    if (follows && Sim::of_bodies) looks = true;
-    for (std::size_t k = from; follows && !looks && k < s.rows(); ++k)
-      looks = stage.sizes.is_less(s.engine_, k);
-    return looks;
-  }
-  /// Whether the time step is that of the smallest particles that are there.
+  /// Replaces the particles that are due to break by their fragments, before a step. Returns
+  /// whether the time step must be checked in this step.
+  bool break_due();
+  /// Whether the time step follows the smallest particles that are present.
   bool follows_sizes() const {
     return sim().breakage().rules.step == BreakStep::SmallestLiving && !sim().time_step;
   }
@@ -218,15 +188,15 @@ class BreakAccess {
     s.breaks_.measure(s.engine_);
     if (!follows_sizes()) s.breaks_.sizes.coming_step = 0, s.breaks_.sizes.forget();
   }
-  /// Notes the mass of the particles from place `from` on, which come from outside.
+  /// Books the mass of the particles from place `from` on, which were added.
   void feed(std::size_t from) {
     auto& s = sim();
     s.breaks_.start(s.engine_, s.breakage(), from, [](ParticleId) { return 0.0; });
     for (std::size_t k = from; k < s.rows(); ++k)
       if (std::isfinite(s.mass(k))) s.breaks_.fed.add(s.mass(k));
   }
-  /// Adds the smallest fragments that there may be to what may meet, unless the time step follows
-  /// those that are there.
+  /// Adds the smallest possible fragments to the spheres that may meet, unless the time step
+  /// follows the particles that are present.
   template <class Meetings>
   void include_fragments(Meetings& all) const {
     if (follows_sizes()) return;
@@ -265,7 +235,7 @@ class BreakAccess {
             " cannot break: it is fixed, or BreakageRules.materials leaves its material out");
     s.breaks_.add_due({id, strength, 0, BreakCause::Asked});
   }
-  /// What all ranks' tables have together (collective).
+  /// The sum of the tables of all ranks (collective).
   SizeTable table_of_ranks(const SizeTable& own) const {
     if constexpr (Sim::has_ranks) {
       const auto numbers = own.state();
@@ -315,7 +285,7 @@ class BreakAccess {
     return sim().engine_.modules().template of<typename Sim::Composition::Breaking>()[k];
   }
 
-  /// A particle of any rank that breaks, as all ranks know it.
+  /// A breaking particle of any rank; all ranks have the same list of them.
   struct BreakingParticle {
     DueBreak due;
     Vec3d centre_, velocity_, angular_velocity_;
@@ -328,102 +298,16 @@ class BreakAccess {
     double mass() const { return mass_; }
     std::size_t material() const { return material_; }
   };
-  /// On many ranks all break the particles of all, alike and in the order of ids, so that ids,
-  /// draws and dust are those of one process; each takes in the fragments of its own (collective).
-  void break_due_of_ranks() {
-    auto& s = sim();
-    auto& stage = s.breaks_;
-    auto& ranks = s.engine_.ranks;
-    stage.some_born = false;
-    if (!std::exchange(stage.some_due, false) && !std::exchange(s.engine_.breaks_due, false))
-      return;
-    s.engine_.breaks_due = false;
-    std::vector<BreakingParticle> own;
-    for (const DueBreak& one : std::exchange(stage.due, {}))
-      if (const std::size_t k = s.engine_.find(one.id); k < s.rows()) {
-        const auto p = s.engine_.owner(k);
-        const auto& f = own_fields(k);
-        own.push_back({one, p.centre(), p.velocity(), p.angular_velocity(), p.radius(), p.mass(),
-                       s.engine_.volume_of(k), f.strength, f.generation, p.material()});
-      }
-    ranks.meet("particles that break");
-    auto all = gather(ranks.comm(), std::span<const BreakingParticle>(own)).values;
-    if (all.empty()) return;
-    std::sort(all.begin(), all.end(),
-              [](const auto& a, const auto& b) { return a.due.id < b.due.id; });
-    // Ghosts where they are now, for what the ledger misses of contacts that end.
-    if constexpr (Sim::has_ledger) s.engine_.refresh_ghosts_now();
-    ranks.together("particles that break", [&] {
-      std::vector<Parent> parents;
-      typename Sim::ParticlesType fragments;
-      for (const BreakingParticle& one : all) {
-        const std::size_t k = s.engine_.find(one.due.id);
-        break_one(one.due, one, one.volume, one, k < s.rows() ? k : nowhere, parents, fragments);
-      }
-      std::vector<ParticleId> gone;
-      for (const BreakingParticle& one : all) gone.push_back(one.due.id);
-      if constexpr (Sim::has_ledger)
-        if (s.first_kick_) s.book_.was_there(energy_of_all());
-      take_place(parents, fragments, gone);
-      if constexpr (Sim::has_ledger)
-        if (s.first_kick_) s.book_.was_there(-energy_of_all());
-    });
-    ranks.discount(all.size());
-    s.engine_.lists.forget();
-    stage.some_born = true;
-  }
+  /// The same on many ranks: every rank breaks the particles of all ranks, in the order of ids, and
+  /// keeps the fragments of its own. Ids, random draws and dust are thus those of one process
+  /// (collective).
+  void break_due_of_ranks();
 
-  /// Notes the fragments of a particle, which is at place k, with their velocities; books dust and
-  /// energy. `own`: what the policy knows of it.
+  /// Adds the fragments of the particle at place k, with their velocities, to `all`, and books dust
+  /// and energy. `own`: the policy's fields of the particle.
   template <class Owner, class Fields, class Particles>
   void break_one(const DueBreak& due, const Owner& p, double volume, const Fields& own,
-                 std::size_t k, std::vector<Parent>& parents, Particles& all) {
-    auto& s = sim();
-    auto& stage = s.breaks_;
-    const auto& policy = s.breakage();
-    const double density = p.mass() / volume;
-    const Broken broken{equal_volume_diameter(volume), p.mass(), own.strength, due.load, due.speed};
-    Random random = stage.random_of(policy, due.id, stage.of_fragments);
-    FragmentSizes sizes =
-        fragment_sizes(policy.sizes, broken, density,
-                       {policy.rules.dust_below, policy.rules.most_fragments}, random);
-    const std::size_t before = all.size();
-    if constexpr (Sim::of_bodies)
-      add_cells(p, sizes, density, random, all);
-    else
-      add_spheres(p, sizes, density, random, all);
-    BreakEvent event{.id = due.id,
-                     .material = p.material(),
-                     .time = s.time_,
-                     .position = p.centre(),
-                     .velocity = p.velocity(),
-                     .diameter = broken.diameter,
-                     .mass = broken.mass,
-                     .strength = own.strength,
-                     .load = due.load,
-                     .speed = due.speed,
-                     .cause = due.cause,
-                     .first = s.next_.particle + before,
-                     .fragments = sizes.masses.size(),
-                     .generation = static_cast<std::size_t>(own.generation),
-                     .dust = sizes.dust};
-    if (event.fragments == 0) event.first = no_particle;
-    stage.template count<Sim::ContactsType::several_materials>(due.cause, p.material());
-    stage.dust.template add<Sim::ContactsType::several_materials>(
-        p.material(),
-        [&](SizeTable& table) { add_dust(table, policy.sizes, broken, sizes, density, s.time_); });
-    if (Sim::has_ranks && k == nowhere) return parents.push_back({nowhere, sizes.masses.size(), 0});
-    if constexpr (Sim::has_ledger) {
-      double potential = s.potential(k);  // [J] of the dust, where the fragments leave it
-      for (std::size_t n = 0; n < sizes.masses.size(); ++n)
-        potential += sizes.masses[n] * dot(s.gravity_booked_, all.all()[before + n].position);
-      book(k, sizes.dust / broken.mass, potential);
-    }
-    // [s] in which all of the particle would have arrived
-    const double passes = due.speed > 0 ? broken.diameter / due.speed : 0;
-    parents.push_back({k, sizes.masses.size(), s.time_ + passes});
-    stage.events.push_back(event);
-  }
+                 std::size_t k, std::vector<Parent>& parents, Particles& all);
   template <class Owner, class Particles>
   void add_spheres(const Owner& p, const FragmentSizes& sizes, double density, Random& random,
                    Particles& all) const;
@@ -435,110 +319,23 @@ class BreakAccess {
                                std::span<const double> radii, std::span<const double> masses,
                                double share);
 
-  /// Books the energy of the particle at place k, which breaks, as lost; dust takes its share
-  /// along, and its `potential` [J].
-  void book(std::size_t k, double of_dust, double potential) {
-    auto& s = sim();
-    const auto kinetic = s.kinetic(k);
-    const double m = s.mass(k), share = kinetic.sum() * of_dust;
-    s.book_.broke(kinetic.sum() - share);
-    const double ago =
-        !s.first_kick_ && Sim::Integrator::first_kick == 0.5 ? 0.5 * s.dt_ : 0;  // [s]
-    const Vec3d v = s.velocity(k), now = v + ago * s.gravity;
-    s.book_.bring_in(-share - potential - 0.5 * of_dust * m * (dot(now, now) - dot(v, v)));
-  }
-  /// [J] of all particles now, kinetic, against gravity and in bonds.
-  double energy_of_all() const {
-    const auto& s = sim();
-    double sum = 0;
-    for (std::size_t k = 0; k < s.rows(); ++k)
-      if (s.is_present(k) && std::isfinite(s.mass(k))) sum += s.kinetic(k).sum() + s.potential(k);
-    if constexpr (Sim::has_bonds) sum += s.bond_energy();
-    return sum;
-  }
-  /// Of particles at these places, sorted.
-  std::vector<std::uint32_t> rows_of(const std::vector<std::size_t>& places) const {
-    std::vector<std::uint32_t> rows;
-    [[maybe_unused]] const auto& mover = sim().engine_.mover;
-    for (const std::size_t k : places)
-      if constexpr (Sim::of_bodies)
-        rows.push_back(mover.rows_of(mover.bodies[k]).front());
-      else
-        rows.push_back(static_cast<std::uint32_t>(k));
-    std::sort(rows.begin(), rows.end());
-    return rows;
-  }
-  /// Books what the ledger misses of the contacts of particles of these rows, which end.
-  void book_contacts(const std::vector<std::uint32_t>& rows,
-                     [[maybe_unused]] std::span<const ParticleId> gone) {
-    auto& s = sim();
-    auto& e = s.engine_;
-    const auto book = [&s](const auto& ended) {
-      s.book_.ended(ended.work), s.book_.broke(ended.normal);
-    };
-    if constexpr (Sim::of_bodies) {
-      e.mover.renew_convex_rows(e.particles);  // of those that came since the last step, or a file
-      book(EndedSolidContacts(e, s.domain_, rows, s.dt_));
-    } else {
-      book(EndedContacts(e, s.domain_, rows, s.dt_, s.dt_));
-      if constexpr (Sim::has_ranks) book_contacts_with_ghosts(gone, book);
-    }
-  }
-  /// ... with other ranks' particles: of two that break the rank of the lower id books it.
+  /// Books the energy of the breaking particle at place k as lost. Dust takes its share of it, and
+  /// its `potential` [J], out of the simulation.
+  void book(std::size_t k, double of_dust, double potential);
+  /// [J] of all particles now: kinetic, potential in gravity, and in bonds.
+  double energy_of_all() const;
+  /// The rows of the particles at these places, sorted.
+  std::vector<std::uint32_t> rows_of(const std::vector<std::size_t>& places) const;
+  /// Books the energy of the contacts of these rows, which end without a step of the ledger.
+  void book_contacts(const std::vector<std::uint32_t>& rows, std::span<const ParticleId> gone);
+  /// The same for contacts with particles of other ranks. If both break, the rank with the lower id
+  /// books it.
   template <class Book>
-  void book_contacts_with_ghosts(std::span<const ParticleId> gone, const Book& book) {
-    auto& s = sim();
-    const auto& e = s.engine_;
-    const auto& pairs = e.lists.pairs;
-    const auto is_gone = [gone](ParticleId id) {
-      return std::binary_search(gone.begin(), gone.end(), id);
-    };
-    using Ended = EndedContacts<typename Sim::Engine, typename Sim::Domain>;
-    pairs.for_each([&](std::size_t k) {
-      std::size_t own = pairs.first()[k], other = pairs.second()[k];
-      if (own >= e.particles.owned()) std::swap(own, other);
-      if (other < e.particles.owned()) return;
-      const ParticleId mine = e.particles.id[own], its = e.particles.id[other];
-      if (is_gone(mine) && (mine < its || !is_gone(its)))
-        book(Ended(e, s.domain_, typename Ended::OfPair{k}, s.dt_, s.dt_));
-    });
-  }
-  /// Takes the parents out of the simulation, and their fragments in. `gone`: all that break, of
-  /// all ranks.
+  void book_contacts_with_ghosts(std::span<const ParticleId> gone, const Book& book);
+  /// Removes the parents and adds their fragments. `gone`: all breaking particles, of all ranks.
   template <class Particles>
   void take_place(const std::vector<Parent>& parents, const Particles& fragments,
-                  std::span<const ParticleId> gone = {}) {
-    auto& s = sim();
-    auto& e = s.engine_;
-    const std::size_t from = s.rows();
-    const ParticleId first = s.next_.particle;
-    std::vector<double> rests_until;
-    std::vector<std::size_t> places;
-    std::vector<char> own;  // fragments, on many ranks
-    for (const Parent& p : parents) {
-      rests_until.insert(rests_until.end(), p.fragments, p.rests_until);
-      if constexpr (Sim::has_ranks) own.insert(own.end(), p.fragments, p.place != nowhere);
-      if (p.place != nowhere) places.push_back(p.place);
-    }
-    const auto rows = rows_of(places);
-    if constexpr (Sim::has_ledger) book_contacts(rows, gone);
-    if constexpr (Sim::has_bonds) s.bonds_.end_of(e, s.domain_, rows, s.first_kick_ ? 0 : s.dt_);
-    s.breaks_.newborn_from = Sim::of_bodies ? s.next_.part : first;
-    std::vector<std::size_t> forms;
-    if constexpr (Sim::of_bodies) forms = take_in_cells(e.mover, fragments.forms());
-    s.join(std::span<const typename Particles::Particle>(fragments.all()), forms,
-           std::span<const char>(own));
-    if constexpr (Sim::has_ledger)  // what the fragments have is not lost
-      for (std::size_t n = from; n < s.rows(); ++n) s.book_.broke(-s.kinetic(n).sum());
-    std::size_t k = from;
-    for (const Parent& p : parents)
-      for (std::size_t n = 0; n < p.fragments && p.place != nowhere; ++n, ++k) {
-        copy_row(e.modules(), p.place, k);
-        ++e.modules().template of<typename Sim::Composition::Breaking>()[k].generation;
-      }
-    s.breaks_.start(e, s.breakage(), from, [&](ParticleId id) { return rests_until[id - first]; });
-    e.remove_all(places, s.domain_, s.dt_);
-  }
+                  std::span<const ParticleId> gone = {});
 
   Sim& sim() { return static_cast<Sim&>(*this); }
   const Sim& sim() const { return static_cast<const Sim&>(*this); }
@@ -546,4 +343,6 @@ class BreakAccess {
 
 }  // namespace silt::detail
 
+#include <silt/simulation/break_books.hpp>
+#include <silt/simulation/break_due.hpp>
 #include <silt/simulation/break_up.hpp>

@@ -42,7 +42,7 @@ double Simulation<Policies...>::expected_speed() const {
   if constexpr (detail::deforms<Domain>) speed = domain_.fastest();
   Box scene;
   if constexpr (has_ranks) {
-    const SceneSize& all = ranks_scene_.size;
+    const detail::SceneSize& all = ranks_scene_.size;
     speed = all.speed, largest = all.radius, scene = all.region;
   }
   // What is infinite, as planes are, bounds the scene in the directions in which it is flat.
@@ -98,7 +98,7 @@ void Simulation<Policies...>::share_scene() {
   if constexpr (has_ranks) {
     auto& ranks = engine_.ranks;
     ranks.measure(engine_.particles);
-    SceneSize own;
+    detail::SceneSize own;
     ranks.together("a look at the scene", [&] {
       for (std::size_t k = 0; k < rows(); ++k)
         if (is_present(k)) {

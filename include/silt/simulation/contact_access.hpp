@@ -179,26 +179,8 @@ class ContactReader {
     return std::tuple(c.wall, c.surface, part_of(p.swapped ? c.second : c.first),
                       part_of(p.swapped ? c.first : c.second), c.order);
   }
-  std::uint32_t part_of([[maybe_unused]] std::uint32_t row) const {
-    if constexpr (Engine::has_bodies)
-      return row & RecordedForce::wall_bit ? 0 : e_.particles.part[row].local;
-    else
-      return 0;
-  }
-  std::size_t place_of(std::uint32_t row) const {
-    if constexpr (Engine::has_bodies)
-      return e_.particles.part[row].body;
-    else
-      return row;
-  }
-  /// The centre of mass of a row's particle, beside the row.
-  Vec3d centre_of(std::uint32_t row) const {
-    if constexpr (Engine::has_bodies) {
-      const auto& part = e_.particles.part[row];
-      return e_.mover.bodies[part.body].centre + part.image;
-    } else {
-      return e_.particles.position[row].centre();
-    }
+  std::uint32_t part_of(std::uint32_t row) const {
+    return row & RecordedForce::wall_bit ? 0 : e_.part_of(row);
   }
 
   /// `swapped`: the first row's particle is b. Inline, so that what a caller does not read is not
@@ -214,7 +196,7 @@ class ContactReader {
       const double reach = first.r + (at_wall ? 0 : rows[r.second].r);
       turn.arm = -(first.r * (reach - r.overlap) / reach) * r.normal;
     }
-    const Vec3d centre = centre_of(r.first), point = first.centre() + turn.arm;
+    const Vec3d centre = e_.centre_beside(r.first), point = first.centre() + turn.arm;
     ContactSeen c;
     c.overlap = r.overlap, c.normal = r.normal, c.force = r.force, c.couple = turn.couple_i;
     if (!e_.record.parts.empty())
@@ -230,7 +212,7 @@ class ContactReader {
     } else {
       Vec3d between = rows[r.second].centre() - first.centre();
       if constexpr (Domain::periodic) between = domain_.shortest(between);
-      const Vec3d own = centre_of(r.second);  // of which this is the image beside the first
+      const Vec3d own = e_.centre_beside(r.second);  // of which this is the image beside the first
       const Vec3d other = first.centre() + between + (own - rows[r.second].centre());
       c.branch = centre - other;
       c.torque_b = cross(point - other, -r.force) + turn.couple_j;
@@ -247,7 +229,7 @@ class ContactReader {
     return c;
   }
   void set_end(std::uint32_t row, std::size_t& place, std::size_t& part) const {
-    place = place_of(row), part = part_of(row);
+    place = e_.owner_of(row), part = e_.part_of(row);
   }
 
   static constexpr bool walls_repeat = std::remove_cvref_t<decltype(Engine::lists.walls)>::repeats;
@@ -315,6 +297,22 @@ class ContactReader {
 template <class Sim>
 class ContactAccess {
  public:
+  /// Pairs of particles that touch [-]; of bodies, of their parts. O(pairs); on many ranks
+  /// collective (RankAccess).
+  std::size_t touching_pairs() const {
+    const std::size_t own = sim().engine_.touching_pairs(sim().domain_);
+    if constexpr (Sim::has_ranks)
+      return static_cast<std::size_t>(sim().sum_over_ranks(static_cast<double>(own)));
+    return own;
+  }
+  /// How many contacts the law's safeguard has ended since the start [-] (Softened).
+  template <class S = Sim>
+  std::uint64_t safeguarded() const requires has_safeguard<typename S::ContactsType::Law> {
+    static_assert(!S::has_ranks,
+                  "safeguarded() counts on one process alone: a contact between two "
+                  "ranks would count twice; leave Ranks out");
+    return sim().engine_.safeguards;
+  }
   /// Calls f(const ContactSeen&) for each contact of the step of time(), in the order of ids: in
   /// observers, and between runs. Steps are recorded that somebody of the program's own observes,
   /// and the last one of each run (keep_contacts). Costs O(contacts); changes nothing.
@@ -327,12 +325,10 @@ class ContactAccess {
     visit(f, "Simulation::for_each_contact", has_contacts());
   }
   /// Whether for_each_contact() can be called now.
-  bool has_contacts() const {
-    return is_recorded() && static_cast<const Sim&>(*this).engine_.record.is_whole();
-  }
+  bool has_contacts() const { return is_recorded() && sim().engine_.record.is_whole(); }
   /// Whether the present step is done and was not recorded, as before a run that goes on: observers
   /// that read contacts are due one step later.
-  bool awaits_contacts() const { return static_cast<const Sim&>(*this).kicked_ && !is_recorded(); }
+  bool awaits_contacts() const { return sim().kicked_ && !is_recorded(); }
   /// The same for observers that say themselves that they read contacts (reads_contacts); spring,
   /// cohesion and history are missing if none of them wants more than forces.
   template <class F>
@@ -341,13 +337,14 @@ class ContactAccess {
   }
 
  private:
+  const Sim& sim() const { return static_cast<const Sim&>(*this); }
   bool is_recorded() const {
-    const auto& s = static_cast<const Sim&>(*this);
+    const Sim& s = sim();
     return s.kicked_ && s.engine_.record.is_of(s.step_);
   }
   template <class F>
   void visit(F&& f, const char* who, bool can) const {
-    const auto& s = static_cast<const Sim&>(*this);
+    const Sim& s = sim();
     require(
         can, who, ": the contacts of step ", s.step_,
         " were not recorded; ask in an observer or after run(), with keep_contacts = true (after "

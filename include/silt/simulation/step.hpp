@@ -1,13 +1,64 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// A time step of Simulation, stage by stage (docs/architecture.md says where each stage stands).
+// Parts of Simulation: the time loop, and one time step with its stages (docs/architecture.md says
+// where each stage is implemented).
 
 #include <silt/simulation.hpp>
 
 namespace silt::inline SILT_TARGET {
 
-/// One step up to the kick; then either drifts at once or stops for the observers.
+template <class... Policies>
+template <class... Observers>
+void Simulation<Policies...>::run_steps(double duration, Observers&... observers) {
+  require_not_negative("Simulation::run: duration", duration, "s");
+  prepare();
+  const double end = time_ + duration;
+  std::int64_t last = step_ + static_cast<std::int64_t>(std::ceil(duration / dt_ * (1 - 1e-12)));
+  if constexpr (has_events) engine_.events.wanted = (detail::wants_events(observers) || ...);
+  const auto begin = [&] { (detail::begin(observers, *this, end), ...); };
+  if constexpr (has_ranks)
+    this->share_edits("the start of observers", begin);
+  else
+    begin();
+  for (;; ++step_, time_ = time_at(step_)) {
+    const bool stop = step_ >= last;
+    if (!kicked_) {
+      kept_ = std::max({detail::all_contacts_if(stop && keep_contacts),
+                        detail::read_contacts(observers, *this, keep_contacts)...});
+      advance(stop || (detail::is_due(observers, *this) || ...));
+      if constexpr (has_events) detail::tell_of_rank(*this, engine_.events, observers...);
+      if constexpr (has_bonds)
+        if (!bonds_broken_.empty()) detail::tell_of_rank(*this, bonds_broken_, observers...);
+      if constexpr (has_breakage)
+        if (!breaks_.events.empty()) detail::tell_of_rank(*this, breaks_.events, observers...);
+    }
+    if constexpr (has_ranks)
+      engine_.ranks.until_later([&] { (detail::watch(observers, *this), ...); });
+    if (kicked_ && sizeof...(Observers) > 0) {
+      [[maybe_unused]] const bool again = std::exchange(observed_, true);
+      const auto observe = [&] {
+        detail::observe_all(*this, again, observers...);
+        detail::check_given(engine_, gravity, step_, time_);
+      };
+      if constexpr (has_ranks)
+        this->share_edits("observers", observe);
+      else
+        observe();
+      if (scene_changed_) this->check_pairs();
+    }
+    if (stop) break;
+    if constexpr (has_breakage)
+      if (kicked_ && coming_step() != dt_)
+        change_step(coming_step()), engine_.include_speeds(), last = last_step(end);
+    finish_step();
+  }
+  detail::on_all_ranks(*this, "the end of observers",
+                       [&] { (detail::end(observers, *this), ...); });
+  continued_ = false;
+}
+
+/// One time step: up to the kick, and on to the drift unless observers look at the step.
 template <class... Policies>
 void Simulation<Policies...>::advance(bool observed) {
   detail::move_walls(engine_.walls, time_, first_kick_ ? 0 : dt_);
@@ -15,11 +66,11 @@ void Simulation<Policies...>::advance(bool observed) {
   if (first_kick_) detail::start_walls(engine_.walls, time_, dt_);
   std::size_t present = 0;
   if constexpr (Modules::flux) present = present_for_fluxes();
-  bool looks = false;  // at the time step
+  bool looks = false;  // whether this step checks its own length
   const auto renew = [&] {
     openings_.update(engine_, *this);
     if constexpr (has_breakage) looks = this->break_due(), observed |= looks;
-    if constexpr (has_ranks)  // neighbours wait for the ghosts, whatever has failed
+    if constexpr (has_ranks)  // even if this rank has failed: its neighbours wait for the ghosts
       engine_.refresh_ghosts(), engine_.ranks.throw_late();
     if constexpr (has_ranks && has_bonds) {
       detail::RankBonds at_search(bonds_, engine_);
@@ -56,6 +107,26 @@ void Simulation<Policies...>::advance(bool observed) {
   }
 }
 
+template <class... Policies>
+detail::StepTimes Simulation<Policies...>::times_of_step(bool observed) const {
+  detail::StepTimes t{.step = dt_,
+                      .worked = first_kick_ ? 0 : dt_,
+                      .ask = observed || first_kick_ || step_ % detail::ledger_asks_every == 0,
+                      .lag = Integrator::lag,
+                      .now = time_,
+                      .renew_areas = step_ % detail::StepTimes::areas_every == 0};
+  if constexpr (has_breakage)
+    t.parting = this->breakage().rules.separation_speed, t.weak_from = breaks_.weak_from;
+  if constexpr (has_events) {
+    // Contacts come to rest only in steps that look at those at rest, so no step counts twice.
+    constexpr auto every = detail::StepTimes::look_at_rest_every;
+    const std::int64_t looked = step_ - 1 - (step_ + every - 1) % every;
+    t.watched = engine_.events.wanted, t.look_at_rest = step_ % every == 0;
+    t.at_rest_from = time_at(looked - detail::StepTimes::at_rest_after);
+  }
+  return t;
+}
+
 /// The forces of a step, and the integration.
 template <class... Policies>
 void Simulation<Policies...>::forces(bool observed, [[maybe_unused]] std::size_t present) {
@@ -89,7 +160,7 @@ void Simulation<Policies...>::forces(bool observed, [[maybe_unused]] std::size_t
     observed ? engine_.record_flow(domain_) : engine_.move_box(domain_, dt_);
 }
 
-/// What is left of a step when observers have seen it: the drift, and what follows the motion.
+/// The rest of a step after observers have looked: the drift, and what follows from the motion.
 template <class... Policies>
 void Simulation<Policies...>::finish_step() {
   if (kicked_) engine_.drift(dt_);

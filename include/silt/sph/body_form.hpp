@@ -19,23 +19,22 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A particle of a body in the body's own frame, and its mirror image on the other side of the
-/// surface [m].
+/// Particle of a body in the body's frame, and its mirror image across the surface [m].
 struct BodySite {
   Vec3d at, ghost;
 };
 
-/// The particles of a body, each with the same `share` [-] of a particle's volume.
+/// Particles of a body, each with the same `share` [-] of a particle's volume.
 struct BodySites {
   std::vector<BodySite> sites;
   double share = 1;
 };
 
-/// What a liquid knows of the form of a body, in its principal frame, about its centroid [m]: the
-/// surfaces of its parts.
+/// Shape of a body for the liquid, in its principal frame, about its centroid [m]: the surfaces of
+/// its parts.
 ///
-/// Accuracy: curved surfaces are taken as triangles, 24 by 24 on each side of the box around a
-/// part: 0.1 % of an ellipsoid's radius.
+/// Accuracy: curved surfaces are triangulated with 24 by 24 cells on each side of the bounding box
+/// of a part: an error of 0.1 % of an ellipsoid's radius.
 class LiquidForm {
  public:
   template <class S>
@@ -52,10 +51,10 @@ class LiquidForm {
     return dot(x, x) <= reach_ * reach_ && nearest(x).distance < 0;
   }
 
-  /// The particles of a body that is `scale` times as large: on a lattice of the liquid's spacing,
-  /// laid so that the faces of the box around the body lie half a spacing beyond the outermost
-  /// where that can be, as deep below the surface as the kernel reaches. Their share is such that
-  /// the lattice's volume is the body's.
+  /// Particles of a body scaled by `scale`: on a lattice with the spacing of the liquid, to the
+  /// depth of the kernel's support. If possible the lattice is placed with the faces of the
+  /// bounding box half a spacing beyond the outermost particles. Their share makes the volume of
+  /// the lattice equal to that of the body.
   BodySites lay(const SphSetup& setup, double scale) const {
     const double s = setup.spacing / scale, deep = 2 * setup.h() / scale;
     const bool flat = setup.dimensions == 2;
@@ -81,13 +80,13 @@ class LiquidForm {
                   "Sph: in 2D, where forces are those of 1 m, a body must be a prism along y and "
                   "1 m long; one is ",
                   scale * e.y, " m long");
-          // In a notch the image may lie in another part: the surface itself, then.
+          // In a notch the image may be in another part; then it is at the surface.
           const Vec3d ghost = x + 2 * out;
           of.sites.push_back({scale * x, scale * (contains(ghost) ? x + out : ghost)});
         }
     require(deepest >= 0.9 * s, "Sph: a body of ", scale * e, " m is too thin for a spacing of ",
             setup.spacing,
-            " m: its thickest part must be at least 2 spacings thick; take a "
+            " m: its thickest part must be at least 2 spacings thick; use a "
             "smaller spacing");
     if (!flat) of.share = volume_ / (static_cast<double>(inside) * s * s * s);
     return of;
@@ -124,7 +123,7 @@ class LiquidForm {
     }
     parts_.push_back({TriangleMesh(soup), centre, axes});
   }
-  /// Of the union of all parts; inside, of the part in which x lies deepest.
+  /// Nearest point on the union of all parts; inside, for the part in which x is deepest.
   Nearest nearest(const Vec3d& x) const {
     Nearest least{std::numeric_limits<double>::infinity(), x};
     for (const Part& part : parts_) {
@@ -136,7 +135,7 @@ class LiquidForm {
     }
     return least;
   }
-  /// The nearest point that is in no part, by steps to the surface of one after the other.
+  /// Nearest point outside all parts, by steps to the surface of one after the other.
   Vec3d to_surface(Vec3d x, double enough) const {
     for (int n = 0; n < 50; ++n) {
       const Nearest p = nearest(x);

@@ -21,15 +21,14 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The particles that stand for bodies in the liquid, each with its mirror image on the other side
-/// of the surface. What acts on them acts on the body. Of a sphere: shells below its surface, half
-/// a spacing down and then one apart, as deep as the kernel reaches; of other bodies: a lattice
-/// (LiquidForm).
+/// Particles of bodies in the liquid, each with its mirror image across the surface. Forces on them
+/// act on the body. Spheres have shells below their surface, the first at half a spacing, then one
+/// spacing apart, to the depth of the kernel's support; other bodies have a lattice (LiquidForm).
 class BodyPoints {
  public:
   struct Body {
     Vec3d centre{0, 0, 0}, velocity{0, 0, 0}, spin{0, 0, 0};  // [m], [m/s], [rad/s]
-    double radius = 0;                                        // [m] of the sphere of its volume
+    double radius = 0;                                        // [m] of the sphere of equal volume
     Quaternion axes{};                                        // principal axes to space
     std::uint32_t form = sphere;
     double reach = 0;  // [m] from the centre
@@ -43,23 +42,23 @@ class BodyPoints {
   std::size_t size() const { return points_.size(); }
   bool empty() const { return points_.empty(); }
   std::size_t body_of(std::size_t k) const { return points_[k].body; }
-  /// The first point of each body, and behind the last.
+  /// First point of each body, and the end of the last.
   const std::vector<std::size_t>& begin() const { return begin_; }
-  /// [-] of a particle's volume and mass.
+  /// [-] share of a particle's volume and mass.
   double share(std::size_t k) const { return points_[k].share; }
-  /// [m] From the centre, in the body's frame.
+  /// [m] from the centre, in the body's frame.
   const Vec3d& own_place(std::size_t k) const { return points_[k].at; }
   const Vec3d& own_ghost(std::size_t k) const { return points_[k].ghost; }
   Vec3d place(std::size_t k) const { return in_space(points_[k].body, points_[k].at); }
   Vec3d ghost(std::size_t k) const { return in_space(points_[k].body, points_[k].ghost); }
-  /// A direction of the body's frame in space.
+  /// A direction of the body's frame, transformed to space.
   Vec3d turned(std::size_t k, const Vec3d& own) const {
     const Body& b = bodies[points_[k].body];
     return b.form == sphere ? own : rotate(b.axes, own);
   }
-  /// Another one where there are other points than before; above 0.
+  /// Changes when the points change; > 0.
   std::uint64_t version() const { return version_; }
-  /// [m/s] of the body's surface half way between a point and its mirror image.
+  /// [m/s] of the body's surface, halfway between a point and its mirror image.
   Vec3d velocity(std::size_t k) const {
     const Point& p = points_[k];
     const Body& b = bodies[p.body];
@@ -78,8 +77,8 @@ class BodyPoints {
         b.axes = rotation_about((1 / rate) * b.spin, rate * dt) * b.axes;
     }
   }
-  /// Calls visit(k) for points of which one goes as far as any: of a sphere, which is not turned,
-  /// the first one.
+  /// Calls visit(k) for points that include the one with the largest displacement: all points of a
+  /// body; the first of a sphere, which is not rotated.
   template <class Visit>
   void for_those_that_go_farthest(const Visit& visit) const {
     for (std::size_t k = 0; k < points_.size(); ++k)
@@ -89,14 +88,14 @@ class BodyPoints {
     return bodies[points_[k].body].form != sphere || k == 0 ||
            points_[k - 1].body != points_[k].body;
   }
-  /// [m/s] of a point, at most.
+  /// [m/s] upper bound for a point.
   double fastest(std::size_t k) const {
     const Point& p = points_[k];
     const Body& b = bodies[p.body];
     const double arm = b.form == sphere ? 0 : std::max(norm(p.at), norm(p.ghost));
     return norm(b.velocity) + norm(b.spin) * arm;
   }
-  /// Whether a place `x` from the centre of a body is in it.
+  /// Whether a point at `x` from the centre of a body is inside it.
   bool holds(const Body& b, const Vec3d& x) const {
     if (b.form == sphere) return dot(x, x) < b.radius * b.radius;
     const LiquidForm& form = *forms_[b.form];
@@ -114,7 +113,7 @@ class BodyPoints {
       forms_[form].emplace(shape);
     std::erase_if(laid_, [form](const auto& laid) { return laid.first.first == form; });
   }
-  /// Takes what is in the liquid now, in this order; true if there are others than before.
+  /// Sets the present bodies, in this order; true if they are others than before.
   bool set(const CoupledParticles& of, std::span<const std::size_t> which, const SphSetup& setup) {
     const AveragedParticles& shape = of.shape;
     const std::size_t n = which.size();
@@ -139,7 +138,7 @@ class BodyPoints {
     return other;
   }
 
-  /// For a state: eight numbers a point, two a body; set() gives the rest.
+  /// For a state: eight numbers per point, two per body; set() gives the rest.
   std::vector<double> points() const {
     std::vector<double> all;
     for (const Point& p : points_)
@@ -191,7 +190,7 @@ class BodyPoints {
       const double R = body.radius;
       if (body.form == sphere) {
         require(R >= 1.5 * s, "Sph: a sphere of radius ", R, " m is too small for a spacing of ", s,
-                " m; it must be at least 1.5 spacings: take a spacing of at most ", R / 1.5, " m");
+                " m; it must be at least 1.5 spacings: use a spacing of at most ", R / 1.5, " m");
         for (double r = R - 0.5 * s; r > 0.25 * s && r > R - 2 * setup.h(); r -= s)
           add_shell(b, r, (2 * R - r) / r, setup);
         continue;

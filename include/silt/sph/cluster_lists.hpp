@@ -20,12 +20,12 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// In which directions space repeats, and after how much [m]; 0: not.
+/// Periodic directions and their lengths [m]; 0: not periodic.
 struct Repeats {
   Vec3d low{0, 0, 0}, length{0, 0, 0};
   double along(int d) const { return d == 0 ? length.x : d == 1 ? length.y : length.z; }
   double from(int d) const { return d == 0 ? low.x : d == 1 ? low.y : low.z; }
-  /// The shortest of the images of a way [m].
+  /// Shortest image of a distance vector [m].
   Vec3d shortest(Vec3d d) const {
     double* const of[3] = {&d.x, &d.y, &d.z};
     for (int k = 0; k < 3; ++k)
@@ -40,19 +40,20 @@ struct Repeats {
   }
 };
 
-/// Particles in packs of `width` that lie close together, and for each pack the list of all that
-/// may come within the kernel's support of one of its particles. There are three kinds, each with
-/// packs of its own: liquid, which meets liquid and walls; walls, and probes (places where the
-/// liquid is looked at), which meet liquid, and walls if asked for.
+/// Particles in packs of `width` neighbours, and for each pack the list of all particles that may
+/// be within the kernel's support of one of its particles. There are three kinds with separate
+/// packs: liquid, which interacts with liquid and walls; walls, and probes (points where the liquid
+/// is evaluated), which interact with liquid, and on request with walls.
 ///
-/// Columns that stand upright in x and y, sorted along z, are cut into packs about as high as they
-/// are wide. A pack's lanes meet the particles of its list one by one: what lies in memory is read
-/// by all lanes at once, nothing is gathered, and sums stay in registers. Of a pack of 8 and a
-/// support of 2.8 spacings half of the lanes work on neighbours.
-/// Results depend on positions alone. Tests: tests/sph/cluster_lists.cpp, against all pairs.
+/// Vertical columns, sorted along z, are cut into packs about as high as wide. The lanes of a pack
+/// process the particles of its list one by one: each is loaded once for all lanes, nothing is
+/// gathered, and sums stay in registers. With packs of 8 and a support of 2.8 spacings half of the
+/// lanes process neighbours. Results depend only on positions.
+///
+/// Tests:   tests/sph/cluster_lists.cpp, against all pairs.
 class ClusterLists {
  public:
-  /// A place in the list: the row, and which image of it.
+  /// List entry: the row, and its image.
   struct Entry {
     std::uint32_t packed;
     std::uint32_t row() const { return packed & (most - 1); }
@@ -60,7 +61,7 @@ class ClusterLists {
   };
   static constexpr int bits = 27;
   static constexpr std::uint32_t most = 1u << bits;  // rows
-  static constexpr std::uint32_t here = 13;          // the image that is the particle itself
+  static constexpr std::uint32_t here = 13;          // image number of the particle itself
   static constexpr std::uint32_t none = ~std::uint32_t{0};
 
   std::size_t width = 8;  // particles a pack
@@ -72,7 +73,7 @@ class ClusterLists {
   enum Kind { Liquid, Wall, Probe, Gone };
   static constexpr int kinds = 3;
 
-  /// The order in which particles are to stand, `none` where nobody does: by kind, pack by pack.
+  /// Order of the particles, by kind and pack; `none` for empty lanes.
   template <class KindOf>
   const std::vector<std::uint32_t>& sort(std::span<const SphRow> rows, const KindOf& kind,
                                          const Team& team) {
@@ -94,14 +95,15 @@ class ClusterLists {
     require(order_.size() < most, "SPH: ", order_.size(), " particles are more than ", most);
     return order_;
   }
-  /// The first pack of a kind; of Gone: behind the last of all.
+  /// First pack of a kind; for Gone: the end of all.
   std::size_t first_pack(int kind) const {
     return (kind < kinds ? groups_[at(kind)].first_row : order_.size()) / width;
   }
   std::size_t packs() const { return order_.size() / width; }
 
-  /// Finds all within `reach` [m] of each pack; `rows` stand in the order of sort(). With `slack`
-  /// [m] of each row: all that come so near before one of them has gone farther than its slack.
+  /// Finds all particles within `reach` [m] of each pack; `rows` are in the order of sort(). With
+  /// `slack` [m] of each row: all that can come within reach before one of them has moved by more
+  /// than its slack.
   void find(std::span<const SphRow> rows, double reach, const Team& team,
             std::span<const double> slack = {}) {
     const std::size_t n = packs();
@@ -135,15 +137,15 @@ class ClusterLists {
       list.begin.push_back(list.entries.size());
     });
   }
-  /// The liquid and the walls that a pack may meet.
+  /// Liquid and walls in the list of a pack.
   std::span<const Entry> liquid(std::size_t pack) const { return of(pack, 0); }
   std::span<const Entry> walls(std::size_t pack) const { return of(pack, 1); }
-  /// Where particles were when they were sorted.
+  /// Extent of the particles at the last sort().
   const Box& extent() const { return extent_; }
-  /// Where [m] a row was when the lists were made.
+  /// Position [m] of a row when the lists were built.
   Vec3d built(std::size_t row) const { return {x_[row], y_[row], z_[row]}; }
   double slack(std::size_t row) const { return slack_[row]; }  // [m]
-  /// Whether the lists hold as far as a row is concerned that is at `now`.
+  /// Whether the lists are still valid for a row at `now`.
   bool hold(std::size_t row, const Vec3d& now) const {
     const Vec3d way = now - built(row);
     return dot(way, way) <= slack_[row] * slack_[row];
@@ -174,12 +176,12 @@ class ClusterLists {
     std::vector<Key> sorted;           // along z
     std::vector<std::uint32_t> start;  // first row of each column, in the new order
     std::vector<std::uint32_t> count;
-    std::vector<double> slack;  // [m] of each column, the largest
+    std::vector<double> slack;  // [m] largest of each column
     double most_slack = 0;
   };
   struct List {
     std::vector<Entry> entries;
-    std::vector<std::size_t> begin;  // two a pack: liquid, walls
+    std::vector<std::size_t> begin;  // two per pack: liquid, walls
   };
 
   std::span<const Entry> of(std::size_t pack, std::size_t which) const {
@@ -253,7 +255,7 @@ class ClusterLists {
     });
   }
 
-  /// Adds those of a group that are near a pack.
+  /// Adds the particles of a group that are near a pack.
   void find_of(const Group& g, std::span<const SphRow> rows, std::size_t pack, double reach,
                std::vector<Entry>& out) const {
     Box box;
@@ -278,12 +280,12 @@ class ClusterLists {
           find_in(g, seen, own, image << bits, out);
         }
   }
-  /// Which images in a direction may reach into an interval.
+  /// Range of images in a direction that may reach into an interval.
   std::pair<int, int> images(int d, double low, double high) const {
     if (!(repeats.along(d) > 0)) return {0, 0};
     return {low < repeats.from(d) ? -1 : 0, high > repeats.from(d) + repeats.along(d) ? 1 : 0};
   }
-  /// `own` [m]: the reach of the pack, to which that of each other adds its slack.
+  /// `own` [m]: reach of the pack, to which the slack of each other particle is added.
   void find_in(const Group& g, const Box& box, double own, std::uint32_t image,
                std::vector<Entry>& out) const {
     const double reach = own + g.most_slack;
@@ -293,7 +295,7 @@ class ClusterLists {
       return std::pair{static_cast<int>(std::clamp(a, 0.0, n - 1.0)),
                        static_cast<int>(std::clamp(b, 0.0, n - 1.0))};
     };
-    // [m] from the box to a column, a hair less: columns were told apart by rounded numbers.
+    // [m] distance of the box to a column, rounded down: column indices come from rounded numbers.
     const auto beside = [&](int d, int k, double low, double high) {
       if (columns_[at(d)] == 1) return 0.0;
       const double from = low_[at(d)] + k * size_[at(d)];

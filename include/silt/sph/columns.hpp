@@ -14,21 +14,22 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The particles of an Sph, in the order of its packs: liquid, walls, probes.
+/// Particles of an Sph, in the order of its packs: liquid, walls, probes.
 struct SphColumns {
   AlignedVector<SphRow> rows;
-  AlignedVector<SphRow> start;       // at the beginning of the step, or one step ago
+  AlignedVector<SphRow> start;       // at the start of the step, or one step ago
   std::vector<char> kind;            // ClusterLists::Kind
-  std::vector<std::uint32_t> label;  // number of the liquid's particle, of the wall's; none: nobody
-  /// Labels from here on: a particle of an opening's buffer (of kind Liquid), or its probe.
+  std::vector<std::uint32_t> label;  // number of the liquid's or the wall's particle; none: empty
+                                     // lane
+  /// Labels from here on belong to openings: particles of a buffer (kind Liquid), or their probes.
   static constexpr std::uint32_t of_openings = 1u << 31;
   AlignedVector<double> volume;  // [m3]
-  // [m/s] Of walls and bodies that liquid sticks to, else empty: the part of a row's velocity that
-  // friction alone meets (SphPairs).
+  // [m/s] For no-slip walls and bodies, else empty: the part of a row's velocity that enters only
+  // friction (SphPairs).
   AlignedVector<Vec3d> sticking;
   AlignedVector<SphRates> rates;
-  // With UnresolvedGrains, else empty: the part [-] of the space around a particle that is liquid,
-  // the part of a particle's mass that it has, and how full its kernel is (div r over dimensions).
+  // With UnresolvedGrains, else empty: void fraction [-] at a particle, its share of a particle's
+  // mass, and how full its kernel is (div r over dimensions).
   AlignedVector<double> voidage, share, fullness;
   AlignedVector<SphBrief> brief;    // of mixed precision
   AlignedVector<SphStress> stress;  // with SpsTurbulence
@@ -48,7 +49,7 @@ struct SphColumns {
   void take_out(std::size_t k) {
     kind[k] = static_cast<char>(ClusterLists::Gone), label[k] = ClusterLists::none;
   }
-  /// Brings them into an order of ClusterLists.
+  /// Applies an order of ClusterLists.
   void arrange(const std::vector<std::uint32_t>& order, const Team& team) {
     permute(rows, order, SphRow::nobody(), team), permute(start, order, SphRow::nobody(), team);
     permute(kind, order, static_cast<char>(ClusterLists::Gone), team);

@@ -37,9 +37,9 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The inside of an Sph: particles, what is solid, lists, and a step. `Axes` has the policies.
+/// Core of an Sph: particles, solids, lists, and the time step. `Axes` has the policies.
 ///
-///   find_rates()   lists, pressures, walls and the sums over pairs, where particles are now
+///   find_rates()   lists, pressures, walls and sums over pairs, at the present positions
 ///   step()         one step by the policy of time integration
 template <class Axes>
 struct SphCore {
@@ -52,7 +52,7 @@ struct SphCore {
   using Grains = typename Axes::Grains;
   using Book = SphBookOf<Axes::ledger>;
   using Volume = typename Axes::Volume;
-  // Unresolved grains and volumes ask how full kernels are, as shifting does.
+  // Unresolved grains and volume restoration need the fullness of kernels, as shifting does.
   static constexpr bool asks_fullness = Grains::averaged || Volume::restores;
   using Pairs =
       SphPairs<Kernel, Viscosity, Diffusion, std::conditional_t<asks_fullness, Shifting, Shift>,
@@ -80,7 +80,7 @@ struct SphCore {
   SphSolids solids{};
   SphOpenings openings{};
   DryGaps<Kernel> gaps{};
-  // Of a Simulation's walls: held until the next advance(), and of the last step.
+  // Loads on walls of a Simulation: constant until the next advance(), and of the last step.
   std::vector<LiquidOnWall> on_walls{}, in_step{};
   Lists lists{};
   SphColumns columns{};
@@ -95,19 +95,19 @@ struct SphCore {
   double full = 0;                          // [-] div r of a lattice
   double exchange = INFINITY;               // [s] sph_longest_exchange() of the last step
   std::int64_t steps = 0;
-  bool stale = true;   // lists are to be made
-  bool fresh = true;   // they are new: rows of solids have no values yet
-  bool known = false;  // rates are those of now
+  bool stale = true;   // lists must be rebuilt
+  bool fresh = true;   // lists are new: rows of solids have no values yet
+  bool known = false;  // rates are those of the present state
   bool made = false;   // solids are in the columns
   [[no_unique_address]] Book book{};
-  std::vector<std::size_t> resolved{};  // which particles are bodies in the liquid
+  std::vector<std::size_t> resolved{};  // particles that are bodies in the liquid
   std::vector<ParticleId> body_ids{};   // of these
 
   void begin() {
     liquid.check(), setup.check(), viscosity.check(), diffusion.check(), shift.check(),
         scheme.check(), keeper.check();
     require(Walls::mirrored || !setup.slip,
-            "SphSetup.slip has no effect with DynamicWalls; leave it out, or take MirroredWalls");
+            "SphSetup.slip has no effect with DynamicWalls; leave it out, or use MirroredWalls");
     full = sph_divergence_of_lattice<Kernel>(setup);
     if constexpr (Shift::shifts) surface_slope = SphSurfaceSlope<Kernel>(setup.dimensions);
     if constexpr (!Time::two_stages) check_verlet();
@@ -121,26 +121,27 @@ struct SphCore {
   }
   void check_verlet() const requires(!Time::two_stages) {
     require(setup.courant <= 0.2, "SphSetup.courant = ", setup.courant,
-            " is too long for VerletTime, which was tried up to 0.2; take at most that, or "
+            " is too long for VerletTime, which was tested up to 0.2; use at most that, or "
             "SymplecticTime");
     const double longest = Time::longest / setup.courant;
     require(scheme.restart <= longest, "VerletTime.restart = ", scheme.restart,
             " steps at SphSetup.courant = ", setup.courant,
-            " let odd and even steps part; take at most ", static_cast<int>(longest),
-            ", or leave it out for 5");
+            " decouples odd and even steps; use at most ", static_cast<int>(longest),
+            ", or leave it out (default 5)");
     require(Diffusion::diffuses || !std::is_same_v<Viscosity, Inviscid>,
-            "Sph: VerletTime with Inviscid and NoDiffusion has nothing that damps, and gains "
-            "energy; take SymplecticTime, or Fourtakas");
+            "Sph: VerletTime with Inviscid and NoDiffusion has no damping, and gains "
+            "energy; use SymplecticTime, or Fourtakas");
   }
-  /// [m/s2] The gravity that pressure bears at rest: along directions that repeat it drives a flow.
+  /// [m/s2] Gravity that is balanced by pressure at rest; along periodic directions it drives a
+  /// flow.
   Vec3d weight() const {
     return {setup.periodic[0] ? 0 : gravity.x, setup.periodic[1] ? 0 : gravity.y,
             setup.periodic[2] ? 0 : gravity.z};
   }
   double particle_mass() const { return liquid.density * setup.volume(); }  // [kg]; 2D: [kg/m]
-  /// Solids or liquid have come or gone.
+  /// Solids or liquid were added or removed.
   void renewed() { stale = true, known = false; }
-  /// Takes out liquid whose centre is where something solid has come: as much as that displaces.
+  /// Removes liquid displaced by a new solid, by the positions of particle centres.
   template <class Inside>
   void take_out(const Inside& inside) {
     for (std::size_t k = 0; k < columns.size(); ++k)
@@ -148,9 +149,9 @@ struct SphCore {
         sph_goes(*this, k, true), columns.take_out(k), ++displaced;
     made = false, renewed();
   }
-  /// What is in the liquid now, as a Simulation tells it.
+  /// Sets the particles of a Simulation that are in the liquid.
   void take_particles(const CoupledParticles& of) {
-    // In the order of their ids: a Simulation sorts its rows now and then.
+    // In the order of their ids, because a Simulation sorts its rows at intervals.
     resolved.resize(of.shape.position.size());
     std::iota(resolved.begin(), resolved.end(), std::size_t{0});
     if (of.id.size() == resolved.size())
@@ -163,7 +164,7 @@ struct SphCore {
     if (solids.bodies.set(of, resolved, setup)) make_room_for_bodies();
     solids.walls.take_drives(time), on_walls.assign(solids.walls.walls(), {});
     exchange = sph_longest_exchange(*this, of);
-    known = false;  // of where all is now, whatever was read in between
+    known = false;  // of the present positions, whatever was read in between
   }
   /// Adds a share of the loads of the last step.
   void add_loads(double part, std::span<Vec3d> force, std::span<Vec3d> torque) {
@@ -178,7 +179,7 @@ struct SphCore {
       for (std::size_t g = 0; g < grains.number.size(); ++g)
         force[grains.number[g]] += part * grains.force[g];
   }
-  /// [s] as driven walls leave it, by the last advance(); number of the wall.
+  /// [s] limit due to driven walls in the last advance(); number of the wall.
   std::pair<double, std::size_t> longest_hold() const {
     std::pair<double, std::size_t> least{std::numeric_limits<double>::infinity(), 0};
     for (std::size_t w = 0; w < std::min(on_walls.size(), solids.walls.walls()); ++w)
@@ -186,7 +187,7 @@ struct SphCore {
         least = std::min(least, {detail::longest_hold(solids.walls.wall(w), on_walls[w]), w});
     return least;
   }
-  /// [m] Centres of grains that are not resolved.
+  /// [m] Centres of unresolved grains.
   std::span<const Vec3d> small_grains() const {
     if constexpr (Grains::averaged)
       return grains.place;
@@ -218,7 +219,7 @@ struct SphCore {
         liquid.density,  weight()};
   }
   Pairs pairs() const { return Pairs(constants(), viscosity, diffusion, lists.extent()); }
-  /// In mixed precision: what pairs see of rows, all or those of some packs.
+  /// For mixed precision: converts rows for the pair sums, all or those of some packs.
   void shorten(const Pairs& pairs, const Team& team) { shorten(pairs, 0, lists.packs(), team); }
   template <class Seen = Always>
   void shorten([[maybe_unused]] const Pairs& pairs, [[maybe_unused]] std::size_t first,
@@ -243,7 +244,7 @@ struct SphCore {
     return std::min(setup.courant * dt, viscosity.longest_step(h));
   }
 
-  /// The rates where the particles are now, unless they are known.
+  /// Computes the rates at the present positions, unless they are known.
   void find_rates(const Team& team) {
     if (known) return;
     sph_follow_gravity(*this);
@@ -281,7 +282,7 @@ struct SphCore {
         for (std::size_t k = p * W; k < (p + 1) * W; ++k) {
           if (columns.label[k] == Lists::none) continue;
           m.speed = std::max(m.speed, norm(columns.rows[k].velocity()));
-          if (columns.is_of_opening(k)) continue;  // what they are pushed by does not count
+          if (columns.is_of_opening(k)) continue;  // forces on them are not used
           Vec3d& a = columns.rates[k].acceleration;
           if constexpr (Grains::averaged) {
             a = (1 / columns.voidage[k]) * a;
@@ -308,7 +309,7 @@ struct SphCore {
   }
   void set_pressures(const Team& team) {
     const double mass = particle_mass();
-    // Mirrored walls take theirs from the liquid.
+    // Mirrored walls take their values from the liquid.
     const bool all = fresh || !Walls::mirrored || Grains::averaged;
     const std::size_t n = all ? columns.size() : lists.first_pack(Lists::Wall) * Pairs::W;
     team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
@@ -333,12 +334,12 @@ struct SphCore {
           });
     }
   }
-  /// Walls to where they are at the time of these rates.
+  /// Moves walls to the time of these rates.
   void move_walls() {
     if (solids.walls.any_moves())
       solids.walls.move_to(now, 0.1 * setup.courant * setup.h() / liquid.sound_speed);
   }
-  /// Rows of walls and bodies to where these are: those that may meet liquid, or all.
+  /// Moves the rows of walls and bodies: those that may be near liquid, or all.
   void place_solids(bool all, const Team& team) {
     solids.move_rows(columns, lists, solids.walls.any_moves(), Walls::mirrored, small_grains(), all,
                      team);

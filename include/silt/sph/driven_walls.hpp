@@ -14,15 +14,15 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What a liquid does to a driven wall, on average over its last advance(), and how the wall feels
-/// it: what a servo's speed follows from beside its contacts (boundary/wall_drive.hpp).
+/// Load of the liquid on a driven wall, averaged over its last advance(), and its stiffness and
+/// damping, which a servo needs in addition to those of its contacts (boundary/wall_drive.hpp).
 struct LiquidOnWall {
   Vec3d force{0, 0, 0};   // [N]
   Vec3d torque{0, 0, 0};  // [N m] about the drive's centre (centre_of_drive)
-  /// The liquid beside a wall that begins to move with v presses by rho c v at once, per area, and
-  /// the more by rho c^2/h for each second.
-  double stiffness = 0, damping = 0;  // [N/m], [N s/m]; of a torque times arms squared
-  /// The same rho c times area along and about the axes of space [N s/m], [N m s].
+  /// When a wall starts to move with v, the pressure of the liquid beside it changes at once by rho
+  /// c v, and then by rho c^2/h v per second.
+  double stiffness = 0, damping = 0;  // [N/m], [N s/m]; for a torque times arms squared
+  /// rho c times area along and about the axes of space [N s/m], [N m s].
   Vec3d along{0, 0, 0}, around{0, 0, 0};
 
   void add(double part, const LiquidOnWall& l) {
@@ -34,14 +34,14 @@ struct LiquidOnWall {
 };
 static_assert(sizeof(LiquidOnWall) == LiquidOnWall::numbers * sizeof(double));
 
-/// [m] The point of a driven wall, where it is now, that torques are about and that it turns about.
+/// [m] Present position of the reference point and axis of a driven wall.
 inline Vec3d centre_of_drive(const Wall& wall) {
   if (const auto* d = std::get_if<ServoTorque>(&wall.drive)) return d->centre;
   if (const auto* d = std::get_if<Hinge>(&wall.drive)) return d->centre;
   if (std::holds_alternative<FreeBody>(wall.drive)) return wall.state.centre;
   return {0, 0, 0};
 }
-/// [rad/s] of the last half step.
+/// [rad/s] at the last half step.
 inline Vec3d spin_of_drive(const Wall& wall) {
   const WallState& s = wall.state;
   if (const auto* d = std::get_if<ServoTorque>(&wall.drive)) return s.rate * normalised(d->axis);
@@ -53,8 +53,9 @@ inline Vec3d spin_of_drive(const Wall& wall) {
   return {0, 0, 0};
 }
 
-/// [s] How long a wall with a mass may be held at one velocity while the liquid goes on: a fifth of
-/// m/(rho c A). Above twice that it begins to swing (computed, tests/sph/driven_walls.cpp).
+/// [s] Longest time for which the velocity of a wall with a mass may be constant while the liquid
+/// advances: a fifth of m/(rho c A). Above twice this value it begins to oscillate (computed,
+/// tests/sph/driven_walls.cpp).
 inline double longest_hold(const Wall& wall, const LiquidOnWall& load) {
   double rate = 0;  // [1/s]
   if (const auto* d = std::get_if<Slide>(&wall.drive)) rate = load.damping / d->mass;
@@ -72,7 +73,8 @@ inline double longest_hold(const Wall& wall, const LiquidOnWall& load) {
   }
   return rate > 0 ? 0.2 / rate : std::numeric_limits<double>::infinity();
 }
-/// [-] How a drive's speed moves a point `arm` [m] from its centre along `normal`.
+/// [-] Velocity along `normal` of a point at `arm` [m] from the drive's centre, over the drive's
+/// speed.
 inline double way_of_drive(const WallDrive& drive, const Vec3d& arm, const Vec3d& normal) {
   const auto turns = [&](const Vec3d& axis) { return dot(normalised(axis), cross(arm, normal)); };
   if (const auto* d = std::get_if<ServoForce>(&drive)) return dot(normalised(d->direction), normal);
@@ -82,8 +84,8 @@ inline double way_of_drive(const WallDrive& drive, const Vec3d& arm, const Vec3d
   return 0;
 }
 
-/// How a driven wall goes on while the liquid takes its steps: with the velocity of its last half
-/// step, as bodies do.
+/// Motion of a driven wall during the steps of the liquid: with the velocity of its last half step,
+/// as bodies.
 struct DrivenMotion {
   Pose from{};
   Vec3d centre{0, 0, 0}, velocity{0, 0, 0}, spin{0, 0, 0};  // [m], [m/s], [rad/s]

@@ -17,34 +17,34 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The pressure in gaps between bodies and walls that are too narrow for a particle. A body on a
-/// floor would be pressed on it by all the liquid above: what holds a cork down is that its lower
-/// side is dry. Floors and bodies are rough; liquid gets in between, with the pressure that it has
-/// around the gap, as at rest:
+/// Pressure in gaps between bodies and walls that are too narrow for a particle. Without it a body
+/// on a floor is pressed down by the liquid above: even a cork would stay down, because its lower
+/// side is dry. Floors and bodies are taken as rough: liquid fills the gap with the hydrostatic
+/// pressure of its surroundings:
 ///
 ///   f_k = -2 V_k p_k M_k,  M_k = -sum_own V grad W - sum_liquid V grad W
 ///
-/// M_k is what the particle k of a body lacks of the gradient that liquid all around would make,
-/// which is the opposite of that of the body's own particles. With M_k whole, the sum over the body
-/// is its buoyancy; where the liquid is, its own sums are. p_k is the pressure at the surface in
-/// front of k: the mean of the liquid within the kernel's reach of the body's surface along that
-/// wall, less than 2 h from it, carried on by rho g, and not below 0. The wall gets -f_k, at the
-/// same place.
+/// M_k is the missing part of the kernel gradient at the particle k of a body, compared with liquid
+/// on all sides; the latter is the opposite of the sum over the body's own particles. With the
+/// whole M_k the sum over the body is its buoyancy; where there is liquid, the pair sums include
+/// its part. p_k is the pressure at the surface in front of k: the mean over the liquid within the
+/// kernel's reach of the body's surface along that wall, closer than 2 h to the wall, extrapolated
+/// by rho g, and not below 0. The wall gets -f_k at the same point.
 ///
-/// Source: ours.
-/// Valid:  gaps of bodies at walls; none between bodies. What is sucked is not held: p_k >= 0.
+/// Source: silt's own.
+/// Valid:  gaps between bodies and walls; not between bodies. No suction: p_k >= 0.
 /// Tests:  tests/sph/body_on_floor.cpp.
 template <class Kernel>
 class DryGaps {
  public:
   struct Push {
-    std::size_t point;  // of BodyPoints; it gets `force`
-    std::size_t wall;   // it gets the opposite
+    std::size_t point;  // index in BodyPoints; gets `force`
+    std::size_t wall;   // gets the opposite
     Vec3d force{0, 0, 0};
   };
   std::span<const Push> pushes() const { return pushes_; }
 
-  /// Where they are now, for the densities and the lists of now.
+  /// Finds the forces for the present densities and lists.
   template <class Core>
   void find(const Core& core, const Team& team) {
     pushes_.clear();
@@ -75,11 +75,11 @@ class DryGaps {
     std::size_t point, wall;
     double gap;     // [m]
     Vec3d surface;  // [m]
-    // Of the liquid: sum V grad W [1/m], V W [-], V W (P - rho g.x) [Pa].
+    // Sums over the liquid: V grad W [1/m], V W [-], V W (P - rho g.x) [Pa].
     Vec3d slope{0, 0, 0};
     double weight = 0, level = 0;
   };
-  /// Per body kind: its points come in the same order.
+  /// For each kind of body: its points are in the same order.
   void find_own(const BodyPoints& of, const SphSetup& setup) {
     own_.assign(of.size(), {0, 0, 0});
     const double h = setup.h(), a = Kernel::normalisation(setup.dimensions, h) / (h * h),
@@ -118,7 +118,7 @@ class DryGaps {
     team.for_ranges(sites_.size() - first, [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t n = first + from; n < first + to; ++n) {
         Site& s = sites_[n];
-        if (!core.solids.has_row(walls + s.point)) continue;  // no liquid is near
+        if (!core.solids.has_row(walls + s.point)) continue;  // no liquid nearby
         const std::size_t row = core.solids.wall_row[walls + s.point];
         const Vec3d here = core.columns.rows[row].position(),
                     place = core.solids.bodies.place(s.point);
@@ -135,7 +135,7 @@ class DryGaps {
       }
     });
   }
-  /// Those of one body, wall by wall.
+  /// Forces on one body, wall by wall.
   template <class Core>
   void push(const Core& core, std::size_t first) {
     const double s = core.setup.spacing, V = core.setup.volume();
@@ -162,7 +162,7 @@ class DryGaps {
   }
 
   std::uint64_t made_ = 0;
-  std::vector<Vec3d> own_;  // [1/m] sum V grad W over a body's own particles, in its frame
+  std::vector<Vec3d> own_;  // [1/m] sum of V grad W over a body's own particles, in its frame
   std::vector<Site> sites_;
   std::vector<Push> pushes_;
 };

@@ -9,20 +9,20 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The axes of an Sph's policies; each policy has its own as `static constexpr SphAxis sph_axis`.
+/// Axes of the policies of an Sph; each policy has its axis as `static constexpr SphAxis sph_axis`.
 enum class SphAxis { Kernel, Viscosity, Diffusion, Shifting, Time, Walls, Grains, Volume };
 
-/// What weighs the neighbours of an SPH particle: W(r) = a w(q), q = r/h, 0 from q = 2 on.
+/// SPH kernel, the weight of the neighbours of a particle: W(r) = a w(q), q = r/h, 0 for q >= 2.
 ///
 ///   static double normalisation(int dimensions, double h)   a [1/m2 or 1/m3]
 ///   static Real weight(Real q)                               w [-]
 ///   static Real slope(Real q)                                w'(q)/q [-], finite at q = 0
 ///
-/// so that grad W = a/h^2 slope(q) r. slope() is 0 from q = 2 on, without a branch.
+/// where grad W = a/h^2 slope(q) r. slope() is 0 for q >= 2, without a branch.
 /// Tests: tests/sph/kernels.cpp.
 /// Valid:  2D and 3D.
 /// Units:  q and w [-], h [m].
-/// Errors: InputError for other numbers of dimensions.
+/// Errors: InputError for numbers of dimensions other than 2 and 3.
 template <class K>
 concept SphKernel = requires(double q) {
   { K::normalisation(3, q) } -> std::same_as<double>;
@@ -38,7 +38,8 @@ inline void check_dimensions(int dimensions) {
 }
 }  // namespace detail
 
-/// w = (1 - q/2)^4 (1 + 2 q). Particles do not clump, whatever their number of neighbours.
+/// Wendland C2 kernel, w = (1 - q/2)^4 (1 + 2 q). No pairing of particles for any number of
+/// neighbours.
 /// Source: H. Wendland, Adv. Comput. Math. 4 (1995) 389, C2.
 struct WendlandC2 {
   static constexpr SphAxis sph_axis = SphAxis::Kernel;
@@ -60,7 +61,7 @@ struct WendlandC2 {
   }
 };
 
-/// w = 1 - 3/2 q^2 + 3/4 q^3 to q = 1, then (2 - q)^3/4.
+/// Cubic spline kernel, w = 1 - 3/2 q^2 + 3/4 q^3 for q <= 1, then (2 - q)^3/4.
 /// Source: J. J. Monaghan, J. C. Lattanzio, Astron. Astrophys. 149 (1985) 135.
 struct CubicSpline {
   static constexpr SphAxis sph_axis = SphAxis::Kernel;

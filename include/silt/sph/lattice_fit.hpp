@@ -15,17 +15,18 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Refuses liquid whose lattice does not fit plane walls along the axes: its first row is to be
-/// half a spacing from them. Where it is not, a gap is left, or liquid is pressed together, and
-/// over `most` of the volume along an axis is too much. Walls that the liquid does not touch, by
-/// less than half of a row, do not count.
+/// Refuses liquid whose lattice does not match plane walls normal to an axis. The first row should
+/// be half a spacing from the wall. Otherwise there is a gap or a compression; more than `most` of
+/// the volume along an axis is refused. Walls that the liquid does not touch, within half a row, do
+/// not count.
 inline void refuse_misfit(const WallParticles& walls, std::span<const Vec3d> liquid,
                           const SphSetup& setup) {
   constexpr double most = 0.1;  // [-]
   const double s = setup.spacing;
   struct Side {
     std::string name;
-    double off = 0, at = 0;  // [m] of the first row from half a spacing, and where the wall is
+    double off = 0, at = 0;  // [m] deviation of the first row from half a spacing, and position of
+                             // the wall
   };
   for (int axis = 0; axis < 3; ++axis) {
     if (liquid.empty() || (axis == 1 && setup.dimensions == 2)) continue;
@@ -58,9 +59,9 @@ inline void refuse_misfit(const WallParticles& walls, std::span<const Vec3d> liq
     throw InputError(
         text("Sph: the first row of the liquid is ", (worst->off + 0.5 * s) / s,
              " spacings from wall ", in_quotes(worst->name), " at ", "xyz"[axis], " = ", worst->at,
-             " m, not half a spacing, so that its ", rows, " rows along ", "xyz"[axis], " leave ",
+             " m, not half a spacing; its ", rows, " rows along ", "xyz"[axis], " leave ",
              100 * std::abs(off) / (rows * s + off), off > 0 ? " % empty" : " % too few room",
-             "; lay SphSetup.region.min a whole number of spacings from the wall, and take a "
+             "; put SphSetup.region.min a whole number of spacings from the wall, and use a "
              "spacing that divides the distance of walls that face each other"));
   }
 }

@@ -10,11 +10,11 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The lattice on which an Sph puts particles.
+/// Lattice of the initial particles of an Sph.
 /// @{
 
-/// Calls visit(x) for the centres of the lattice's cells in the region, and in `layers` more of
-/// them beyond it where it does not repeat.
+/// Calls visit(x) for the centres of the lattice cells in the region, and in `layers` further
+/// layers around it in directions that are not periodic.
 template <class Visit>
 void for_each_site(const SphSetup& setup, int layers, const Visit& visit) {
   const double s = setup.spacing;
@@ -33,7 +33,8 @@ void for_each_site(const SphSetup& setup, int layers, const Visit& visit) {
                     low.z + (k + 0.5) * s});
 }
 
-/// [-] -sum V r.grad W on the lattice of the spacing: 2 or 3, but for the kernel's width.
+/// [-] -sum V r.grad W on a lattice with the spacing: 2 or 3, apart from the effect of the kernel's
+/// width.
 template <class Kernel>
 double sph_divergence_of_lattice(const SphSetup& setup) {
   const double s = setup.spacing, h = setup.h();

@@ -16,29 +16,29 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Where the energy of an Sph with an EnergyLedger is, and where it went since its first step [J];
-/// [J/m] in 2D.
+/// Energy balance of an Sph with an EnergyLedger since its first step [J]; [J/m] in 2D.
 struct LiquidBalance {
-  // Now.
-  double kinetic, gravity;  // - m g x, against the origin
-  double elastic;           // of compression: m times the integral of P/rho^2 from rho_0 on
-  // Lost since the start.
-  double artificial, laminar, turbulent;  // by viscosities, at walls and bodies too
-  double diffusion;                       // of density: of `elastic`; may be below 0
-  double shifting;                        // of `gravity`; may be below 0
-  double tension;    // of `elastic`, that particles with few neighbours do not bear
-  double displaced;  // with particles where bodies or walls came
-  // Brought in since the start.
-  double walls;                // work of walls: that move, turn, or are belts
+  // Present.
+  double kinetic, gravity;  // - m g x, relative to the origin
+  double elastic;           // compression: m times the integral of P/rho^2 from rho_0 on
+  // Dissipated since the start.
+  double artificial, laminar, turbulent;  // by viscosities, including walls and bodies
+  double diffusion;                       // diffusion of density: from `elastic`; may be < 0
+  double shifting;                        // from `gravity`; may be < 0
+  double tension;    // from `elastic`: tension removed at particles with few neighbours
+  double displaced;  // with particles displaced by bodies or walls
+  // Supplied since the start.
+  double walls;                // work of walls that move, rotate, or are belts
   double bodies;               // work of bodies in the liquid, which they lose
-  double at_walls, at_bodies;  // beside that work, by the pressures and velocities that their
-                               // particles have of the liquid at their mirror images; with
-                               // DynamicWalls: what their particles gave of their own
-  double grains;               // by UnresolvedGrains: drag, pressure and what their voidage changes
-  double openings;             // with particles that came, less with those that left
-  double changed_gravity;      // by setting `gravity` anew
-  double going_round;  // by gravity, of what has left a region that repeats and come in again
-  double initial;      // all that was there at the first step
+  double at_walls, at_bodies;  // in addition, by pressures and velocities that their particles
+                               // take from the liquid at their mirror images; with DynamicWalls:
+                               // by their own densities
+  double grains;               // by UnresolvedGrains: drag, pressure and changes of their void
+                               // fraction
+  double openings;             // with particles that entered, minus those that left
+  double changed_gravity;      // by new values of `gravity`
+  double going_round;  // by gravity, of particles that left a periodic region and entered it again
+  double initial;      // energy at the first step
 
   double held() const { return kinetic + gravity + elastic; }
   double mirrored() const { return at_walls + at_bodies; }
@@ -47,14 +47,14 @@ struct LiquidBalance {
   double supplied() const {
     return walls + bodies + mirrored() + grains + openings + changed_gravity + going_round;
   }
-  /// What the books cannot explain: the error of time integration, second order in the step. With
-  /// Mixed also that of floats, some 1e-6 of what the channels exchange.
+  /// Closure error: the error of time integration, second order in the step. With Mixed also
+  /// rounding of floats, some 1e-6 of the exchanged energies.
   double residual() const { return held() + dissipated() - supplied() - initial; }
 };
 
 namespace detail {
 
-/// The books of an Sph; without an EnergyLedger nothing.
+/// Ledger of an Sph without an EnergyLedger: empty.
 struct NoSphBook {
   static constexpr bool kept = false;
 };
@@ -67,9 +67,9 @@ struct SphBook {
     double shifting = 0, tension = 0, displaced = 0, openings = 0, changed_gravity = 0,
            going_round = 0;
     double initial = 0, started = 0;
-    Vec3d gravity{0, 0, 0};  // [m/s2] that they reckon with
+    Vec3d gravity{0, 0, 0};  // [m/s2] used by the ledger
   } now;
-  std::vector<double> unheld;  // [kg/m3] densities of rows, before tension was taken away
+  std::vector<double> unheld;  // [kg/m3] densities of rows before removal of tension
 
   bool started() const { return now.started != 0; }
   using State = std::array<double, sizeof(Numbers) / sizeof(double)>;
@@ -85,10 +85,10 @@ struct SphBook {
 template <bool kept>
 using SphBookOf = std::conditional_t<kept, SphBook, NoSphBook>;
 
-/// What the books of an SphCore are told, and by whom; all do nothing without a ledger.
+/// Entries into the ledger of an SphCore; without a ledger all do nothing.
 /// @{
 
-/// [J] of a particle of the liquid that stands in row k and is as `row` says.
+/// [J] of a liquid particle in row k with the state `row`.
 template <class Core>
 double sph_energy(const Core& core, std::size_t k, const SphRow& row) {
   const Vec3d v = row.velocity();
@@ -122,7 +122,7 @@ LiquidBalance sph_balance(const Core& core) {
   e.initial = n.started != 0 ? n.initial : e.held();
   return e;
 }
-/// Before rates are found: gravity may be another.
+/// Before rates are computed: gravity may have changed.
 template <class Core>
 void sph_follow_gravity(Core& core) {
   if constexpr (Core::Book::kept) {
@@ -135,14 +135,14 @@ void sph_follow_gravity(Core& core) {
     n.gravity = core.gravity;
   }
 }
-/// The liquid of row k comes.
+/// The liquid particle of row k enters.
 template <class Core>
 void sph_comes(Core& core, std::size_t k) {
   if constexpr (Core::Book::kept)
     if (core.book.started()) core.book.now.openings += sph_energy(core, k, core.columns.rows[k]);
 }
-/// The liquid of row k is about to be taken out. In the middle of a step its start is what is in
-/// the books.
+/// The liquid particle of row k is about to be removed. During a step the ledger contains its state
+/// at the start of the step.
 template <class Core>
 void sph_goes(Core& core, std::size_t k, bool displaced) {
   if constexpr (Core::Book::kept) {
@@ -153,14 +153,14 @@ void sph_goes(Core& core, std::size_t k, bool displaced) {
     (displaced ? core.book.now.displaced : core.book.now.openings) += displaced ? energy : -energy;
   }
 }
-/// The liquid of row k goes by `way` to another image of the region.
+/// The liquid particle of row k moves by `way` to another periodic image.
 template <class Core>
 void sph_goes_round(Core& core, std::size_t k, const Vec3d& way) {
   if constexpr (Core::Book::kept)
     if (core.book.started() && dot(way, way) > 0)
       core.book.now.going_round -= core.mass_of(k) * dot(core.gravity, way);
 }
-/// [J] of compression, at the start of a step that is under way.
+/// [J] of compression, at the start of the current step.
 template <class Core>
 double sph_elastic(const Core& core) {
   double sum = 0;
@@ -171,7 +171,7 @@ double sph_elastic(const Core& core) {
                                                                  : core.columns.rows[k].density);
   return sum;
 }
-/// [W] with the rates that were found just now.
+/// [W] with the rates just computed.
 template <class Core>
 SphPowers sph_powers(Core& core, const Team& team) {
   using Sums =
@@ -218,7 +218,7 @@ SphPowers sph_powers(Core& core, const Team& team) {
     }
   }
   if constexpr (Core::Grains::averaged) {
-    // What is left of the power of all pairs: the volume that grains take.
+    // Rest of the power of all pairs: the volume taken by grains.
     double pairs = 0;
     for (std::size_t k = 0; k < first; ++k) {
       if (of.label[k] == Lists::none) continue;
@@ -230,7 +230,7 @@ SphPowers sph_powers(Core& core, const Team& team) {
   }
   return all;
 }
-/// Before a step: the first begins the books.
+/// Before a step; the first one starts the ledger.
 template <class Core>
 void sph_begin_book(Core& core) {
   if constexpr (Core::Book::kept) {
@@ -239,15 +239,16 @@ void sph_begin_book(Core& core) {
     n.started = 1, n.gravity = core.gravity, n.initial = sph_held(core).held();
   }
 }
-/// The powers in the middle of a step of dt [s].
+/// Powers at the middle of a step of dt [s].
 template <class Core>
 void sph_book_middle(Core& core, double dt, const Team& team) {
   if constexpr (Core::Book::kept) {
-    core.book.unheld.assign(core.columns.size(), core.liquid.density);  // rows may stand anew
+    // rows may have been rearranged
+    core.book.unheld.assign(core.columns.size(), core.liquid.density);
     core.book.now.worked.add(dt, sph_powers(core, team));
   }
 }
-/// ... at its start, and before it: to second order (Adams and Bashforth's).
+/// Powers at its start and before it: second order (Adams-Bashforth).
 template <class Core>
 void sph_book_start(Core& core, double dt, const Team& team) {
   if constexpr (Core::Book::kept) {
@@ -258,7 +259,7 @@ void sph_book_start(Core& core, double dt, const Team& team) {
     n.last_step = dt;
   }
 }
-/// set() changes voidages and with them densities.
+/// set() changes void fractions and thus densities.
 template <class Core, class Set>
 void sph_book_voidage(Core& core, const Set& set) {
   if constexpr (Core::Book::kept) {
@@ -269,7 +270,7 @@ void sph_book_voidage(Core& core, const Set& set) {
     set();
   }
 }
-/// What grains have done to velocities in a step of dt [s], after it.
+/// Work of grains on velocities in a step of dt [s], after it.
 template <class Core>
 void sph_book_grains(Core& core, double dt) {
   if constexpr (Core::Book::kept) {
@@ -283,7 +284,7 @@ void sph_book_grains(Core& core, double dt) {
     }
   }
 }
-/// After a step: what its particles have lost as they bore no tension.
+/// After a step: energy lost by removal of tension.
 template <class Core>
 void sph_book_tension(Core& core) {
   if constexpr (Core::Book::kept) {
@@ -295,7 +296,7 @@ void sph_book_tension(Core& core) {
                                core.liquid.elastic_energy(of.rows[k].density));
   }
 }
-/// shift_of(k) [m]: by which a particle was shifted.
+/// shift_of(k) [m]: displacement of a particle by shifting.
 template <class Core, class ShiftOf>
 void sph_book_shifts(Core& core, const ShiftOf& shift_of) {
   if constexpr (Core::Book::kept && Core::Shift::shifts)

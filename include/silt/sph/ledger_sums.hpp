@@ -13,7 +13,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// [W] What acts on an SPH liquid gives it, kinetic and elastic; of its viscosities below 0.
+/// [W] Power of the forces on an SPH liquid, kinetic and elastic; of viscosities < 0.
 struct SphPowers {
   double artificial = 0, laminar = 0, turbulent = 0, diffusion = 0;
   double walls = 0, bodies = 0, at_walls = 0, at_bodies = 0, grains = 0;
@@ -31,28 +31,28 @@ struct SphPowers {
   }
 };
 
-/// The powers of the forces of SphPairs, of a pack of particles at a time, in double. Of pairs of
-/// liquid, f the force on a:
+/// Powers of the forces of SphPairs, for a pack of particles at a time, in double precision. For
+/// pairs of liquid, f the force on a:
 ///
-///   viscosity   f.(v_a - v_b)/2          what both lose
-///   pressure    nothing: what compression takes motion gives
+///   viscosity   f.(v_a - v_b)/2          loss of both
+///   pressure    none: energy is exchanged between compression and motion
 ///
-/// Of a and a particle b of something solid that moves with u, whose velocity in the sums is v_b:
+/// For a and a particle b of a solid with the velocity u, whose velocity in the sums is v_b:
 ///
 ///   work        f.u
 ///   viscosity   f.(v_a - u)
 ///   mirrored    pressure's f.(v_a - u) + V_a P_a V_b (v_a - v_b).grad W, v_b without `sticking`
 ///
-/// The last would be 0 if v_b - u were u - v_a across the surface and P_b = P_a.
+/// The last one is 0 if v_b - u = u - v_a across the surface and P_b = P_a.
 template <class Kernel, class Viscosity, class Diffusion, class Arch = DefaultArch>
 class SphPowerSums {
  public:
   using Real = typename Lanes<Arch>::Real;
   static constexpr std::size_t lanes = Lanes<Arch>::width;
-  /// Of a row of something solid.
+  /// Of a row of a solid.
   struct Surface {
     Vec3d velocity{0, 0, 0};  // [m/s] u
-    Vec3d sticking{0, 0, 0};  // [m/s] of v_b, which the density does not see
+    Vec3d sticking{0, 0, 0};  // [m/s] part of v_b that the density does not use
     double of_body = 0;       // 1: a body's, 0: a wall's
   };
 
@@ -65,7 +65,8 @@ class SphPowerSums {
     still_ = (-c.density / (c.sound * c.sound)) * c.gravity;
   }
 
-  /// Adds those of a pack of `width`; `mass_of(k)` [kg]; `surfaces` of the rows from `first` on.
+  /// Adds the powers of a pack of `width`; `mass_of(k)` [kg]; `surfaces` of the rows from `first`
+  /// on.
   template <class MassOf>
   void add(std::size_t pack, std::size_t width, std::span<const SphRow> rows,
            std::span<const double> volume, std::span<const Surface> surfaces, std::size_t first,

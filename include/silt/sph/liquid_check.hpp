@@ -10,10 +10,10 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Whether an SphCore's liquid is still one.
+/// Checks of the state of an SphCore's liquid.
 /// @{
 
-/// The sentence: where, what, and what to change.
+/// Error message: where, what, and what to change.
 template <class Core>
 std::string sph_what_is_wrong(const Core& core, const SphRow& r) {
   const Vec3d x = r.position();
@@ -25,7 +25,7 @@ std::string sph_what_is_wrong(const Core& core, const SphRow& r) {
     if (const auto wall = core.solids.walls.nearest(x); wall.distance < -0.1 * core.setup.spacing)
       return text(what, " has gone through wall ", in_quotes(core.solids.walls.name(wall.wall)),
                   " by ", -wall.distance, " m, with", is,
-                  "; take a smaller spacing, a larger alpha of the viscosity (0.1), or a slower "
+                  "; use a smaller spacing, a larger alpha of the viscosity (0.1), or a slower "
                   "wall");
   if (is_finite(x))
     if (const auto body = core.body_at(x); body && *body < core.body_ids.size())
@@ -37,15 +37,15 @@ std::string sph_what_is_wrong(const Core& core, const SphRow& r) {
                                   core.most_density, " of ", core.liquid.density, " kg/m3; ");
   if (speed > 0.2 * c)
     return text(beyond, "that is ", speed / c, " of Liquid.sound_speed = ", c,
-                " m/s, of which speeds may be a tenth; if the scene is as fast as that, take a "
+                " m/s, and speeds may be a tenth of it; if the scene is that fast, use a "
                 "larger Liquid.sound_speed, ",
                 10 * speed, " m/s, else a larger alpha of the viscosity (0.1)");
   return text(beyond,
-              "take a smaller spacing, a larger alpha of the viscosity (0.1) or a smaller "
-              "SphSetup.courant; for a drop that has flown off alone, whose density no neighbour "
-              "holds, a lower Sph::least_density");
+              "use a smaller spacing, a larger alpha of the viscosity (0.1) or a smaller "
+              "SphSetup.courant; for an isolated drop, whose density no neighbour "
+              "supports, a lower Sph::least_density");
 }
-/// Stops the run where a particle of the liquid has gone out of its bounds.
+/// Stops the run if a liquid particle violates its bounds.
 template <class Core>
 void sph_check(const Core& core, const SphRow& r) {
   const double share = r.density / core.liquid.density;
@@ -54,10 +54,10 @@ void sph_check(const Core& core, const SphRow& r) {
     return;
   throw SimulationError(sph_what_is_wrong(core, r), core.steps, {}, r.position());
 }
-/// Whether a place lies beyond the region.
+/// Whether a point is outside the region.
 template <class Core>
 bool sph_is_out(const Core& core, const Vec3d& x) {
-  // What walls at its sides press into them is not out.
+  // Particles pressed slightly into walls at its sides are not outside.
   const Box b = core.setup.region.grown(core.setup.spacing);
   return x.x < b.min.x || x.x > b.max.x || x.z < b.min.z || x.z > b.max.z ||
          (core.setup.dimensions == 3 && (x.y < b.min.y || x.y > b.max.y));

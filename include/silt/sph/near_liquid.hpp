@@ -17,12 +17,12 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Which places may have liquid within a reach [m]: never too few, and too many by the size of
-/// a cell, half a spacing. A bit a cell: those with liquid, spread over a sphere of cells.
+/// Map of places that may have liquid within a reach [m]: complete, and too large by at most one
+/// cell of half a spacing. One bit per cell: cells with liquid are dilated by a sphere.
 /// Tests: tests/sph/cluster_lists.cpp, against all pairs.
 class NearLiquid {
  public:
-  /// Rows of kind Liquid; those are within what repeats.
+  /// Takes the rows of kind Liquid that are inside the periodic box.
   void find(const SphColumns& of, const Repeats& repeats, double reach, double spacing, bool plane,
             const Team& team) {
     lay(of, repeats, reach, spacing, plane);
@@ -79,7 +79,7 @@ class NearLiquid {
     const double from[3] = {all.min.x, all.min.y, all.min.z},
                  to[3] = {all.max.x, all.max.y, all.max.z};
     const double most = 64 * static_cast<double>(n) + 1e6;
-    // Coarser where little liquid is spread over much space.
+    // Coarser if little liquid is spread over a large space.
     for (cell_ = 0.5 * spacing;; cell_ *= 2) {
       double cells = 1;
       for (int d = 0; d < 3; ++d) {
@@ -98,7 +98,7 @@ class NearLiquid {
     const int most = static_cast<int>(reach / cell_) + 1;
     const auto apart = [](int k) { return static_cast<double>(std::max(std::abs(k) - 1, 0)); };
     const auto up = static_cast<std::size_t>(most) + 1, all = columns() * words_;
-    tall_.assign(up * all, 0);  // spread along z by 0, 1, ... cells
+    tall_.assign(up * all, 0);  // dilated along z by 0, 1, ... cells
     near_.assign(all, 0);
     team.for_ranges(columns(), [&](std::size_t, std::size_t first, std::size_t last) {
       for (std::size_t c = first * words_; c < last * words_; ++c) tall_[c] = wet_[c];

@@ -15,25 +15,25 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A flat place through which liquid comes into an Sph or leaves it: a rectangle, in 2D a segment.
-/// Both edges are a whole number of spacings long.
+/// Plane opening through which liquid enters or leaves an Sph: a rectangle, in 2D a segment. The
+/// lengths of its edges must be multiples of the spacing.
 struct Opening {
   Vec3d corner{0, 0, 0};       // [m]
   Vec3d edge{0, 0, 0};         // [m] from the corner to the next
-  Vec3d second_edge{0, 0, 0};  // [m] across the first; in 2D left out
-  Vec3d into{0, 0, 0};         // across both, on the side of the liquid; of any length
+  Vec3d second_edge{0, 0, 0};  // [m] normal to the first; omitted in 2D
+  Vec3d into{0, 0, 0};         // normal to both, towards the liquid; any length
 };
 
-/// Of an opening: a value for all of it, or a function of place [m] and time [s]; or left out.
+/// Value at an opening: a constant, or a function of position [m] and time [s]; or not given.
 template <class Value>
 class OpeningValue {
  public:
   using Function = std::function<Value(const Vec3d& place, double time)>;
   OpeningValue() = default;
-  OpeningValue(const Value& value) : of_(value) {}  // NOLINT: a value is one
+  OpeningValue(const Value& value) : of_(value) {}  // NOLINT: implicit
   template <class Call>
   requires std::is_invocable_r_v<Value, const Call&, const Vec3d&, double> OpeningValue(Call call)
-      : of_(Function(std::move(call))) {}  // NOLINT: as is a function
+      : of_(Function(std::move(call))) {}  // NOLINT: implicit
   OpeningValue(double x, double y, double z) requires std::same_as<Value, Vec3d>
       : of_(Vec3d{x, y, z}) {}
 
@@ -48,28 +48,28 @@ class OpeningValue {
   std::variant<std::monostate, Value, Function> of_;
 };
 
-/// The pressure of a liquid at rest under gravity.
+/// Pressure of a liquid at rest under gravity.
 struct Hydrostatic {
-  double surface = 0;  // [m] its height, against gravity
+  double surface = 0;  // [m] height of its surface, against gravity
 };
 /// Pressure at an opening of an Sph: [Pa], a function of place and time, or Hydrostatic.
 class OpeningPressure : public OpeningValue<double> {
  public:
   using OpeningValue<double>::OpeningValue;
-  OpeningPressure(const Hydrostatic& of) : hydrostatic(of) {}  // NOLINT: it is one
+  OpeningPressure(const Hydrostatic& of) : hydrostatic(of) {}  // NOLINT: implicit
   bool given() const { return hydrostatic || OpeningValue<double>::given(); }
   std::optional<Hydrostatic> hydrostatic{};
 };
 
-/// What is prescribed at an opening. What is left out follows from the liquid in front of it.
+/// Conditions at an opening. Values that are not given are taken from the liquid in front of it.
 struct OpeningSetup {
   std::string name{};
-  OpeningValue<Vec3d> velocity{};   // [m/s]; a function is asked for places on the opening
+  OpeningValue<Vec3d> velocity{};   // [m/s]; a function is called with points on the opening
   OpeningPressure pressure{};       // [Pa]
-  std::optional<double> surface{};  // [m] height, against gravity, above which no liquid comes
+  std::optional<double> surface{};  // [m] height, against gravity; no liquid enters above it
 };
 
-/// What has come through an opening into the liquid, or out of it, since the start.
+/// Flow through an opening into the liquid, or out of it, since the start.
 struct OpeningFlow {
   std::size_t particles = 0;
   double mass = 0;            // [kg]; 2D: [kg/m], and so on
@@ -79,7 +79,7 @@ struct OpeningFlow {
 };
 struct OpeningBooks {
   OpeningFlow in, out;
-  double mass() const { return in.mass - out.mass; }  // [kg] that has come in, less what has left
+  double mass() const { return in.mass - out.mass; }  // [kg] inflow minus outflow
 };
 
 }  // namespace silt

@@ -14,7 +14,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// An opening of an Sph with the rectangle's own axes.
+/// An opening of an Sph with the axes of the rectangle.
 struct SphOpening {
   Opening opening;
   OpeningSetup setup;
@@ -27,18 +27,18 @@ struct SphOpening {
 
   std::string called() const { return text(inlet ? "inlet " : "outlet ", in_quotes(setup.name)); }
 
-  /// A place as the opening sees it [m]: in front of it (negative: behind), and along its edges
-  /// from its middle.
+  /// A point in coordinates of the opening [m]: distance in front of it (negative: behind), and
+  /// position along its edges from its middle.
   struct Seen {
     double front;
     std::array<double, 2> along;
   };
-  /// Whether a place is within the rectangle, `more` [m] beyond its edges.
+  /// Whether a point is within the rectangle extended by `more` [m].
   bool within(const Seen& at, double more) const {
     return std::abs(at.along[0]) <= 0.5 * length[0] + more &&
            std::abs(at.along[1]) <= 0.5 * length[1] + more;
   }
-  /// visit(i, j, place) of the middles of its squares, a spacing wide.
+  /// visit(i, j, position) for the centres of its squares, one spacing wide.
   template <class Visit>
   void for_each_site(double spacing, const Visit& visit) const {
     for (std::size_t i = 0; i < sites[0]; ++i)
@@ -49,7 +49,7 @@ struct SphOpening {
         visit(i, j, middle + off(0, i) + off(1, j));
       }
   }
-  /// Finds the axes; throws where an opening cannot be.
+  /// Finds the axes; InputError for an impossible opening.
   void lay_out(const SphSetup& sph) {
     Opening& o = opening;
     const std::string name = called();
@@ -84,7 +84,7 @@ struct SphOpening {
     const double facing[3] = {normal.x, normal.y, normal.z};
     for (std::size_t d = 0; d < 3; ++d)
       require(!sph.periodic[d] || std::abs(facing[d]) < 1e-9, "Sph: ", name, " faces ", "xyz"[d],
-              ", in which the region repeats; liquid comes back there by itself");
+              ", in which the region is periodic; liquid re-enters there by itself");
     const Box b = sph.region.grown(1e-6 * sph.spacing);
     for (const Vec3d& x :
          {o.corner, o.corner + o.edge, sph.dimensions == 2 ? o.corner : o.corner + o.second_edge,
@@ -95,7 +95,7 @@ struct SphOpening {
               sph.region.min, " to ", sph.region.max,
               " m; its buffer may be outside, the opening may not");
   }
-  /// Throws where what is prescribed cannot be.
+  /// InputError for impossible conditions.
   void check(const Liquid& liquid) const {
     const auto& [velocity, pressure] = std::tie(setup.velocity, setup.pressure);
     require(!inlet || velocity.given() || pressure.given(), "Sph: ", called(),
@@ -104,8 +104,8 @@ struct SphOpening {
       const double forward = dot(*v, normal);
       require(is_finite(*v), "Sph: ", called(), ": velocity = ", *v, " m/s must be finite");
       require(inlet ? forward > 0 : forward <= 0, "Sph: ", called(), ": its velocity of ", *v,
-              inlet ? " m/s leads out of the liquid; turn Opening.into or the velocity"
-                    : " m/s leads into the liquid; turn it, or add an inlet");
+              inlet ? " m/s points out of the liquid; reverse Opening.into or the velocity"
+                    : " m/s points into the liquid; reverse it, or add an inlet");
       check_velocity(*v, liquid, middle, 0);
     }
     const double* const p = pressure.constant();
@@ -120,7 +120,7 @@ struct SphOpening {
             "give silt::Hydrostatic{surface}");
   }
   bool is_prescribed() const { return setup.velocity.given() && setup.pressure.given(); }
-  /// [m/s] at a place on the opening.
+  /// [m/s] at a point on the opening.
   Vec3d velocity_at(const Vec3d& foot, double time, const Liquid& liquid) const {
     const Vec3d v = setup.velocity.at(foot, time);
     if (setup.velocity.constant() != nullptr) return v;
@@ -135,7 +135,7 @@ struct SphOpening {
                   : " m/s, into the liquid; an outlet's function must lead out, or be 0");
     return v;
   }
-  /// [Pa] at a place in the buffer.
+  /// [Pa] at a point in the buffer.
   double pressure_at(const Vec3d& x, double time, const Liquid& liquid,
                      const Vec3d& gravity) const {
     if (const auto& still = setup.pressure.hydrostatic)
@@ -152,7 +152,7 @@ struct SphOpening {
     require(norm(v) <= 0.1 * liquid.sound_speed * (1 + 1e-9), "Sph: ", called(),
             " has a velocity of ", v, " m/s at ", at, " m, t = ", time,
             " s, faster than a tenth of Liquid.sound_speed = ", liquid.sound_speed,
-            " m/s; take a larger sound_speed");
+            " m/s; use a larger sound_speed");
   }
 };
 

@@ -15,7 +15,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What a probe of an opening sees: sums of V W v r too, of each component of the velocity.
+/// Sums of a probe of an opening: also V W v r of each velocity component.
 struct SphSeenFlow : SphSeen {
   Vec3d x_way{0, 0, 0}, y_way{0, 0, 0}, z_way{0, 0, 0};
 
@@ -28,8 +28,8 @@ struct SphSeenFlow : SphSeen {
     x_way += of.vx * wr, y_way += of.vy * wr, z_way += of.vz * wr;
   }
   bool sees() const { return weight > 1e-6; }
-  /// [m/s] of the liquid `away` [m] from the probe, by a linear function; where too little is seen
-  /// for slopes, the mean.
+  /// [m/s] of the liquid at `away` [m] from the probe, by a linear fit; the mean if there is too
+  /// little liquid for gradients.
   Vec3d flow(double h, const Vec3d& away) const {
     const Vec3d mean = (1 / weight) * velocity;
     if (weight < 0.1) return mean;
@@ -42,7 +42,7 @@ struct SphSeenFlow : SphSeen {
   }
 };
 
-/// What the probes of openings see of the liquid, without buffers.
+/// Sums of the probes of openings over the liquid, without buffers.
 template <class Core>
 void sph_look(const Core& core, std::vector<SphSeenFlow>& out, const Team& team) {
   const auto& columns = core.columns;
@@ -78,7 +78,7 @@ void sph_set_buffers(Core& core, const Team& team) {
   }
   std::vector<SphSeenFlow> seen;
   sph_look(core, seen, team);
-  // One after the other: what users prescribe need not stand being called by many threads.
+  // In sequence: functions of users need not be thread-safe.
   for (std::size_t slot = 0; slot < rows.size(); ++slot) {
     const std::size_t k = rows[slot];
     const SphOpening& one = core.openings.of(columns, rows[slot]);

@@ -20,22 +20,23 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The openings of an Sph, with layers of particles behind each, as deep as the kernel reaches:
-/// its buffer. The liquid meets them as liquid. Their velocity and pressure are prescribed, or
-/// those of the liquid at their mirror images (probes) in front of the opening.
+/// Openings of an Sph. Behind each there are layers of particles to the depth of the kernel's
+/// support, its buffer. For the liquid they are liquid particles. Their velocity and pressure are
+/// prescribed, or taken from the liquid at their mirror images (probes) in front of the opening.
 ///
-/// One that comes to the front becomes liquid, and one more begins at the far end, straight behind
-/// it. Liquid that goes through the opening becomes a particle of the buffer, which ends at the far
-/// end. Both happen at every opening, whichever way it is meant to flow.
+/// A buffer particle that passes the opening becomes liquid, and a new one is added at the far end
+/// behind it. A liquid particle that passes the opening becomes a buffer particle, which is removed
+/// at the far end. Both happen at every opening, for either flow direction.
 ///
 /// Source: A. Tafuni, J. M. Dominguez, R. Vacondio, A. J. C. Crespo, Comput. Methods Appl. Mech.
-///   Eng. 342 (2018) 604 (recalled); here velocities are those on the opening, for all its depth.
+///         Eng. 342 (2018) 604 (recalled); here velocities are those on the opening, for the whole
+///         depth.
 /// Tests:  tests/sph/openings.cpp, openings_flows.cpp.
 class SphOpenings {
  public:
   static constexpr std::size_t most = 30;
-  static constexpr double late = 0.1;  // [-] of the spacing: how far particles go on as they were
-  static constexpr double nearest = 1.5;  // [-] of the spacing: probes are no farther in front
+  static constexpr double late = 0.1;     // [-] of the spacing: delay of conversions
+  static constexpr double nearest = 1.5;  // [-] of the spacing: largest distance of probes in front
 
   using One = SphOpening;
   using Seen = One::Seen;
@@ -44,7 +45,7 @@ class SphOpenings {
   std::size_t size() const { return all_.size(); }
   const One& operator[](std::size_t k) const { return all_[k]; }
   double depth() const { return layers_ * spacing_; }  // [m]
-  /// Particles of the liquid that have left through them.
+  /// Liquid particles that have left through them.
   std::size_t went() const {
     std::size_t sum = 0;
     for (const One& one : all_) sum += one.books.out.particles;
@@ -59,7 +60,7 @@ class SphOpenings {
     for (const One& other : all_)
       require(!meet(one, other) && !meet(other, one), "Sph: ", one.called(), " and ",
               other.called(), " overlap, with the ", depth(),
-              " m behind each that their buffers take; move them apart");
+              " m behind each, which their buffers need; move them apart");
     all_.push_back(std::move(one));
     return all_.size() - 1;
   }
@@ -68,7 +69,7 @@ class SphOpenings {
     const Vec3d way = repeats_.shortest(x - one.middle);
     return {dot(way, one.normal), {dot(way, one.along[0]), dot(way, one.along[1])}};
   }
-  /// Whether a place is where walls and liquid of the start leave room for a buffer.
+  /// Whether a buffer may extend to a point: not into walls or the initial liquid.
   bool hold(const Vec3d& x) const {
     for (const One& one : all_)
       if (const Seen at = seen(one, x); at.front < 0.499 * spacing_ &&
@@ -81,7 +82,7 @@ class SphOpenings {
   /// @name Rows
   /// @{
 
-  /// Before the particles are brought into an order: their numbers, and their probes.
+  /// Before sorting: adds numbers of the particles, and their probes.
   template <class Distance>
   void put_into(SphColumns& columns, const Vec3d& gravity, double density,
                 const Distance& from_walls) {
@@ -103,7 +104,7 @@ class SphOpenings {
       columns.add(probe, ClusterLists::Probe, columns.label[k]);
     }
   }
-  /// After that: the rows in which they stand.
+  /// After sorting: finds their rows.
   void find_rows(const SphColumns& columns) {
     if (empty()) return;
     row_.clear(), probe_.clear();
@@ -127,13 +128,14 @@ class SphOpenings {
   const One& of(const SphColumns& columns, std::uint32_t row) const {
     return all_[opening_of(columns.label[row])];
   }
-  /// Where the probe of a particle stands: at its mirror image, but near the opening. (Flow that
-  /// converges towards a hole is slow at images of the far end; half as much ran out of one.)
+  /// Probe position of a particle: its mirror image, but near the opening. (Flow that converges to
+  /// a hole is slow at the images of the far end; the outflow of a hole was half as large.)
   Vec3d image(const One& one, const Vec3d& x) const {
     const double front = seen(one, x).front;
     return x + (std::clamp(-front, 0.0, nearest * spacing_) - front) * one.normal;
   }
-  /// Buffers go on for dt [s], straight ahead; those of the step's start are kept.
+  /// Moves the buffers for dt [s] with their velocity; `start` keeps the positions of the step's
+  /// start.
   void move(SphColumns& columns, double dt, bool start) const {
     for (const std::uint32_t k : row_) {
       SphRow& r = columns.rows[k];
@@ -142,8 +144,8 @@ class SphOpenings {
       r.place(r.position() + dt * dot(r.velocity(), n) * n);
     }
   }
-  /// At a step's end: who has come through an opening. True if rows have come or gone. `number`:
-  /// the next of the liquid; `mass` [kg] of a particle.
+  /// At the end of a step: converts particles that passed an opening. True if rows were added or
+  /// removed. `number`: next number of the liquid; `mass` [kg] of a particle.
   bool pass(SphColumns& columns, std::size_t liquid, double mass, std::uint32_t& number,
             const Team& team) {
     if (!is_due(columns, liquid, team)) return false;
@@ -172,14 +174,14 @@ class SphOpenings {
   }
   /// @}
 
-  /// visit(row, opening) of the particles of buffers.
+  /// visit(row, opening) for the particles of buffers.
   template <class Visit>
   static void for_each(const SphColumns& columns, const Visit& visit) {
     for (std::size_t k = 0; k < columns.size(); ++k)
       if (columns.kind[k] == ClusterLists::Liquid && columns.is_of_opening(k))
         visit(columns.rows[k], opening_of(columns.label[k]));
   }
-  /// [kg/s] that flows in through one now: that of its buffer, over its depth.
+  /// [kg/s] present inflow: that of the buffer, divided by its depth.
   double flow_rate(const SphColumns& columns, std::size_t which, double mass) const {
     double sum = 0;
     for_each(columns, [&](const SphRow& r, std::size_t opening) {
@@ -188,7 +190,7 @@ class SphOpenings {
     return mass * sum / depth();
   }
 
-  /// For a state: whether buffers are there, and the books.
+  /// For a state: whether buffers exist, and the flow counters.
   std::vector<double> state() const {
     std::vector<double> all{filled_ ? 1.0 : 0.0};
     for (const One& one : all_)
@@ -218,7 +220,7 @@ class SphOpenings {
     return SphColumns::of_openings + static_cast<std::uint32_t>(opening) * slots + slot;
   }
 
-  /// Whether a site of one's buffer is in the other's.
+  /// Whether the buffers overlap.
   bool meet(const One& one, const One& other) const {
     bool yes = false;
     one.for_each_site(spacing_, [&](std::size_t, std::size_t, const Vec3d& face) {
@@ -229,8 +231,8 @@ class SphOpenings {
     });
     return yes;
   }
-  /// The first particles: of an inlet all below its surface, of an outlet those that have liquid
-  /// right in front of them.
+  /// Initial particles: for an inlet all below its surface, for an outlet those with liquid
+  /// directly in front.
   template <class Distance>
   void fill(SphColumns& columns, const Vec3d& gravity, double density, const Distance& from_walls) {
     const double g = norm(gravity);
@@ -266,7 +268,7 @@ class SphOpenings {
       });
     }
   }
-  /// Which opening's buffer a place of liquid is in, by more than `by` [m]; size(): none.
+  /// The opening whose buffer contains a point of the liquid by more than `by` [m]; size(): none.
   std::size_t through(const Vec3d& x, double by) const {
     for (std::size_t o = 0; o < size(); ++o)
       if (const Seen at = seen(all_[o], x);
@@ -274,7 +276,7 @@ class SphOpenings {
         return o;
     return size();
   }
-  /// Whether one has gone on for too long as what it was.
+  /// Whether the conversion of a particle is due.
   bool is_due(const SphColumns& columns, std::size_t liquid, const Team& team) const {
     std::atomic<bool> due{false};
     const double by = late * spacing_;

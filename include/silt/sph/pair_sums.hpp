@@ -18,7 +18,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What the neighbours of a particle do to it.
+/// Sums over the neighbours of a particle.
 struct alignas(64) SphRates {
   Vec3d acceleration;  // [m/s2]
   double density;      // [kg/(m3 s)]
@@ -33,7 +33,7 @@ struct SphConstants {
   Vec3d gravity;                  // [m/s2]
 };
 
-/// [-] of h^2, beside r^2 in the terms of viscosity and diffusion: 0.01, or what a viscosity has.
+/// [-] of h^2, added to r^2 in the terms of viscosity and diffusion: 0.01, or that of a viscosity.
 template <class Viscosity>
 constexpr double sph_softening() {
   if constexpr (requires { Viscosity::softening; })
@@ -42,34 +42,36 @@ constexpr double sph_softening() {
     return 0.01;
 }
 
-/// Particles a pack: one a lane. Of floats no more than 8, as lists of larger packs hold more that
-/// is beyond the support than wider lanes gain.
+/// Particles per pack, one per lane. At most 8 for float: lists of larger packs contain too many
+/// particles beyond the support.
 template <class Scalar, class Arch>
 constexpr std::size_t sph_width() {
   return std::min(Lanes<Arch, Scalar>::width, std::size_t{8});
 }
 
-/// The sums over pairs of an SPH liquid (Sph says which), of a pack of particles at a time:
+/// Sums over pairs of an SPH liquid (see Sph), for a pack of particles at a time:
 ///
 ///   d rho_a/dt = rho_a sum V_b v_ab.grad W + D_a
 ///   d v_a/dt   = -sum m_b (P_a + P_b)/(rho_a rho_b) grad W + viscosity
 ///
-/// Walls and bodies push and never pull: beside them P_a + P_b is at least 0. A thin film would be
-/// drawn into a wall otherwise, as its density is known badly. Where a pull is left out, so is what
-/// parting from the wall takes from the density: liquid would store the energy of a tension that
-/// nothing has worked for, and thin films blew up by it.
-/// The density sees liquid slip along walls that it sticks to: without their `sticking`, the part
-/// of v_b that is for viscosities alone. Mirrored so that it sticks, v along a wall and v across it
-/// would not be those of one flow, whose divergence is 0: where liquid leaves a wall its density
-/// fell, and particles got through.
-/// Each pair is computed from both of its ends, by terms that are odd in them: momentum is kept to
-/// rounding, and threads share nothing.
+/// Walls and bodies only push: next to them P_a + P_b is at least 0. Otherwise a thin film would be
+/// drawn to a wall, as its density is inaccurate. Where tension is omitted, the decrease of density
+/// by separation from the wall is omitted too. Otherwise liquid would store the energy of a tension
+/// without work, and thin films became unstable.
 ///
-/// `Scalar` = float: pairs in float, of rows that shorten() has made (SphBrief): places are whole
-/// numbers, so that ways are exact; velocities, densities and pressures are in units of c and
-/// rho_0. Sums of `chunk` pairs are floats, their sums doubles.
+/// The density uses a slip velocity at no-slip walls: v_b without `sticking`, the part that only
+/// viscosities use. With mirrored no-slip velocities the components along and normal to the wall
+/// are not those of one divergence-free flow: where liquid leaves a wall its density decreased, and
+/// particles passed through.
 ///
-/// `own_masses`: particles of the liquid have less than a particle's mass, by their volumes.
+/// Each pair is computed from both of its ends, by antisymmetric terms: momentum is conserved to
+/// rounding, and threads share no data.
+///
+/// `Scalar` = float: pairs in single precision, with rows prepared by shorten() (SphBrief).
+/// Positions are integers, hence differences are exact; velocities, densities and pressures are in
+/// units of c and rho_0. Sums of `chunk` pairs are floats, their sums doubles.
+///
+/// `own_masses`: liquid particles have less than a particle's mass, by their volumes.
 template <class Kernel, class Viscosity, class Diffusion, class Shifting, class Scalar = double,
           bool own_masses = false, class Arch = DefaultArch>
 class SphPairs {
@@ -78,7 +80,7 @@ class SphPairs {
   static constexpr std::size_t W = sph_width<Scalar, Arch>();
   using Real = typename PackOf<W, Scalar>::type;
 
-  /// `extent` has all particles that there are.
+  /// `extent` contains all particles.
   SphPairs(const SphConstants& c, const Viscosity& viscosity, const Diffusion& diffusion,
            const Box& extent = {}) {
     if constexpr (mixed) {
@@ -102,7 +104,7 @@ class SphPairs {
     hydrostatic_ = {Scalar(still * g.x), Scalar(still * g.y), Scalar(still * g.z)};
   }
 
-  /// Of mixed precision: what pairs see of the particles, for the functions that follow.
+  /// For mixed precision: prepares the rows for the functions below.
   void shorten(std::span<const SphRow> rows, std::span<const double> volume,
                std::span<SphBrief> out) const {
     const double place = 1 / length_, speed = 1 / speed_, density = 1 / density_,
@@ -123,7 +125,7 @@ class SphPairs {
     }
   }
 
-  /// Sets the rates of a pack; returns the largest |h v.r/(r^2 + (0.1 h)^2)| [m/s].
+  /// Computes the rates of a pack; returns the largest |h v.r/(r^2 + (0.1 h)^2)| [m/s].
   double of_liquid(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
                    const ClusterLists& lists, std::span<SphRates> out,
                    std::span<const SphBrief> brief = {},
@@ -134,7 +136,7 @@ class SphPairs {
     add<false>(own, rows, volume, brief, sticking, lists, lists.walls(pack), totals);
     return put(rows.data() + pack * W, totals, out.data() + pack * W);
   }
-  /// The same of particles of walls, which feel the liquid alone.
+  /// The same for particles of walls, which interact only with the liquid.
   double of_wall(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
                  const ClusterLists& lists, std::span<SphRates> out,
                  std::span<const SphBrief> brief = {}) const {
@@ -144,7 +146,7 @@ class SphPairs {
     return put(rows.data() + pack * W, totals, out.data() + pack * W);
   }
 
-  /// What each probe of a pack sees (probe_sums.hpp).
+  /// Sums of the probes of a pack (probe_sums.hpp).
   void look(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
             const ClusterLists& lists, std::span<SphSeen> out,
             std::span<const SphBrief> brief = {}) const {
@@ -259,7 +261,7 @@ class SphPairs {
     Other moved[2];
     const Other* b = placed(others, lists, entries[0], moved[0]);
     Way next;
-    find_way(a, *b, next);  // one pair ahead, as all else waits for its root
+    find_way(a, *b, next);  // one pair ahead: everything else depends on its root
     for (std::size_t k = 0, n = entries.size(); k < n; ++k) {
       const Way now{next.x, next.y, next.z, next.square, next.f};
       const Other* const one = b;
@@ -298,8 +300,8 @@ class SphPairs {
   struct Way {
     Real x, y, z, square, f;
   };
-  /// Fields one by one: compilers copy a structure of packs in pieces of another size, and such
-  /// loads wait for all stores.
+  /// Field by field: compilers copy a structure of packs in pieces of another size, and such loads
+  /// wait for all stores.
   template <class Other>
   SILT_INLINE void find_way(const Own& a, const Other& b, Way& to) const {
     const Real x = apart(a.x.x, b.x), y = apart(a.x.y, b.y), z = apart(a.x.z, b.z);
@@ -312,7 +314,7 @@ class SphPairs {
                         [[maybe_unused]] const Vec3<Scalar>& stuck, Sums& sum) const {
     const auto& [dx, dy, dz, r2, f] = way;
     const Real Vf = Real(volume) * f;
-    // m f/m: what is solid may stand for less than a particle's volume.
+    // m f/m: a solid particle may have less than a particle's volume.
     [[maybe_unused]] Real mf = f;
     if constexpr (!liquid || own_masses)
       mf = Real((b.density + own_rest_) * volume * over_mass_) * f;
@@ -329,7 +331,7 @@ class SphPairs {
       sum.spread = multiply_add(Vf, parting, sum.spread);
       both = max(both, Real(0));
     }
-    // The acceleration over -slope_/rho_a
+    // Acceleration over -slope_/rho_a
     Real k = both * Vf;
     const Real approach = along * over;
     if constexpr (Viscosity::artificial)
@@ -372,12 +374,12 @@ class SphPairs {
     return t.fastest * h_ * speed_ / length_;
   }
 
-  // Units of the sums: [m], [m/s], [kg/m3], [m3]; rest_ [kg/m3]: from which densities count.
+  // Units of the sums: [m], [m/s], [kg/m3], [m3]; rest_ [kg/m3]: reference of densities.
   double length_ = 1, speed_ = 1, density_ = 1, volume_ = 1, rest_ = 0;
   Vec3d middle_{0, 0, 0};
   double h_ = 0, weight_ = 0, slope_ = 0, delta_ = 0;
   Scalar over_h_ = 0, small_ = 0, damping_ = 0, drag_ = 0;
-  Scalar own_rest_ = 0, over_mass_ = 0;  // rest_ and the reciprocal of a mass, in units
+  Scalar own_rest_ = 0, over_mass_ = 0;  // rest_ and inverse mass, in units
   Vec3<Scalar> hydrostatic_{0, 0, 0};
 };
 

@@ -15,7 +15,7 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// What axis a policy of Sph belongs to: P::sph_axis.
+/// Policies of an axis of Sph, by P::sph_axis.
 template <class P, SphAxis axis>
 concept SphPolicyOf = requires {
   requires P::sph_axis == axis;
@@ -24,7 +24,7 @@ template <class P>
 concept SphPolicy = requires {
   { P::sph_axis } -> std::convertible_to<SphAxis>;
 };
-/// Those of a Simulation too (core/precision.hpp), which know no axis of Sph.
+/// Precisions are shared with Simulation (core/precision.hpp) and have no sph_axis.
 template <class P>
 concept SphPrecision = requires {
   typename P::PairScalar;
@@ -35,12 +35,12 @@ concept SphLedger = requires {
   requires P::is_ledger;
 };
 
-/// The policies of an Sph by axis: what was given, or the default.
+/// Policies of an Sph by axis: the given one, or the default.
 template <class... Ps>
 struct SphPolicies {
   static_assert(
       ((SphPolicy<Ps> || SphPrecision<Ps> || SphLedger<Ps>)&&...),
-      "Sph: a policy is none of those for SPH: a kernel (WendlandC2, CubicSpline), a "
+      "Sph: a policy is not one of those for SPH: a kernel (WendlandC2, CubicSpline), a "
       "viscosity (ArtificialViscosity, LaminarViscosity, SpsTurbulence, Inviscid), a diffusion "
       "(Fourtakas, MolteniColagrossi, NoDiffusion), Shifting, ShiftingByFastest or NoShifting, "
       "SymplecticTime or VerletTime, MirroredWalls or DynamicWalls, Double or Mixed, "
@@ -53,14 +53,15 @@ struct SphPolicies {
   static_assert(count<SphAxis::Shifting> <= 1, "Sph: two ways of shifting are given; give one");
   static_assert(count<SphAxis::Time> <= 1, "Sph: two time integrations are given; give one");
   static_assert(count<SphAxis::Walls> <= 1, "Sph: two kinds of walls are given; give one");
-  static_assert(count<SphAxis::Grains> <= 1, "Sph: UnresolvedGrains is given twice; give it once");
+  static_assert(count<SphAxis::Grains> <= 1,
+                "Sph: UnresolvedGrains is given twice; give it only once");
   static_assert(count<SphAxis::Volume> <= 1, "Sph: two ways of keeping volume are given; give one");
   static_assert((0 + ... + int{SphPrecision<Ps>}) <= 1, "Sph: two precisions are given; give one");
   static_assert((0 + ... + int{SphLedger<Ps>}) <= 1,
-                "Sph: EnergyLedger is given twice; give it once");
+                "Sph: EnergyLedger is given twice; give it only once");
   static constexpr bool ledger = (false || ... || SphLedger<Ps>);
 
-  /// That of an axis among those given.
+  /// The policy of an axis among those given.
   template <SphAxis axis, class Default, class First, class... Rest>
   static auto one_of(const Default& otherwise, const First& first, const Rest&... rest) {
     if constexpr (SphPolicyOf<First, axis>)
@@ -93,12 +94,13 @@ struct SphPolicies {
   using Grains = decltype(grains(std::declval<const Ps&>()...));
   using Volume = decltype(volume(std::declval<const Ps&>()...));
   static_assert(!Grains::averaged || Time::two_stages,
-                "Sph: UnresolvedGrains needs SymplecticTime; leave VerletTime out");
-  static_assert(!Grains::averaged || !Volume::restores,
-                "Sph: UnresolvedGrains keep volume by the voidage; leave RestoredVolume out");
+                "Sph: UnresolvedGrains needs SymplecticTime; leave out VerletTime");
+  static_assert(
+      !Grains::averaged || !Volume::restores,
+      "Sph: UnresolvedGrains conserves volume by the void fraction; leave out RestoredVolume");
   static_assert(!(ledger && Volume::restores),
-                "Sph: EnergyLedger has no books of RestoredVolume; leave one of them out");
-  /// float where Mixed is given.
+                "Sph: EnergyLedger does not support RestoredVolume; leave out one of them");
+  /// float with Mixed.
   using PairScalar = std::conditional_t<(false || ... || std::is_same_v<Ps, Mixed>), float, double>;
 };
 

@@ -15,9 +15,9 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What probes see of the liquid, `width` of them at a time, one a lane: the sums of SphSeen.
-/// `Scalar` = float: of rows that SphPairs::shorten() has made; sums of `chunk` are floats, all
-/// else double.
+/// Sums of probes over the liquid, `width` probes at a time, one per lane: those of SphSeen.
+/// `Scalar` = float: with rows prepared by SphPairs::shorten(); sums of `chunk` are floats, all
+/// others doubles.
 template <class Kernel, class Scalar, std::size_t width>
 struct SphProbes {
   using Real = typename PackOf<width, Scalar>::type;
@@ -27,8 +27,7 @@ struct SphProbes {
   using Row = std::conditional_t<mixed, SphBrief, SphRow>;
   static constexpr std::size_t chunk = 128, sums = 17;
 
-  /// What the rows' numbers are in, and the weight of their volumes; rows' densities are without
-  /// `rest` [kg/m3].
+  /// Units of the rows, and weight of their volumes; densities of rows exclude `rest` [kg/m3].
   struct Units {
     double length, speed, rest, density, weight, h;
   };

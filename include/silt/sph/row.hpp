@@ -9,7 +9,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What its neighbours need to know of an SPH particle: a cache line.
+/// Data of an SPH particle for its neighbours: one cache line.
 struct alignas(64) SphRow {
   double x, y, z;     // [m]
   double vx, vy, vz;  // [m/s]
@@ -21,7 +21,7 @@ struct alignas(64) SphRow {
   void place(const Vec3d& at) { x = at.x, y = at.y, z = at.z; }
   void move(const Vec3d& v) { vx = v.x, vy = v.y, vz = v.z; }
 
-  /// Fills a pack up: far from all others.
+  /// Fills up a pack: far from all others.
   static SphRow nobody() { return {far, far, far, 0, 0, 0, 1, 0}; }
   bool is_there() const { return x < 0.5 * far; }
 
@@ -30,13 +30,13 @@ struct alignas(64) SphRow {
 };
 static_assert(sizeof(SphRow) == 64);
 
-/// tau/rho [m2/s2] of a particle, symmetric: of turbulence.
+/// tau/rho [m2/s2] of a particle, symmetric, from turbulence.
 struct alignas(64) SphStress {
   double xx = 0, yy = 0, zz = 0, yz = 0, zx = 0, xy = 0;
 };
 
-/// The same of mixed precision: places are whole numbers of a small length, from the middle of all
-/// (SphPairs::shorten).
+/// The same in mixed precision: positions are integers in a small unit, relative to the middle of
+/// all (SphPairs::shorten).
 struct SphBrief {
   std::int32_t x, y, z;
   float vx, vy, vz, density, pressure, volume;

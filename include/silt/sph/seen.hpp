@@ -10,26 +10,25 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What a probe sees of the liquid around it: sums of V W (1, r, r r) and of V W rho (1, r), with r
-/// from the probe, and of V W v.
+/// Sums of a probe over the liquid around it: V W (1, r, r r), V W rho (1, r) and V W v, with r
+/// from the probe.
 struct SphSeen {
   struct Mirrored {
     double density;  // [kg/m3]
     Vec3d velocity;  // [m/s] of the liquid
-    double share;    // [-] by which that counts
+    double share;    // [-] weight of this value
   };
   double weight = 0, density = 0;
   Vec3d way{0, 0, 0}, density_way{0, 0, 0}, velocity{0, 0, 0};
   double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
 
-  /// The linear function through what is seen, by least squares with weights V W: of a quantity f
-  /// with the sums of V W f r and V W f the slope is slope(those), the value at `centre` the
-  /// mean.
+  /// Weighted linear least-squares fit with weights V W. For a quantity f with the sums of V W f r
+  /// and V W f, the gradient is slope(those), and the value at `centre` is the mean.
   struct Fit {
     Vec3d centre;
     double A, B, C, E, F, G, det, s, h;
     bool known() const {
-      constexpr double thin = 1e-4;  // of 0.01 of an even neighbourhood
+      constexpr double thin = 1e-4;  // of 0.01 of a uniform neighbourhood
       return det > thin;
     }
     Vec3d slope(const Vec3d& of_way, double sum) const {
@@ -40,7 +39,7 @@ struct SphSeen {
   };
   Fit fit(double h_) const {
     const Vec3d centre = (1 / weight) * way;
-    // Second moments about the centre, in h^2 and by weight.
+    // Second moments about the centre, in h^2 and per weight.
     const double s = 1 / (weight * h_ * h_), o = 1 / (h_ * h_);
     const double a = xx * s - centre.x * centre.x * o, b = xy * s - centre.x * centre.y * o,
                  d = xz * s - centre.x * centre.z * o, f = yz * s - centre.y * centre.z * o,
@@ -53,18 +52,18 @@ struct SphSeen {
     return {centre, A, B, C, a * g - d * d, b * d - a * f, a * e - b * b, det, s, h_};
   }
 
-  /// Density and velocity of a wall's particle that is `away` [m] from the probe, its mirror image:
-  /// density as a linear function through what is seen (mDBC), velocity as a mean. Where too little
-  /// is seen for a slope, that of a liquid at rest: below 0.4 of a neighbourhood, in part up to
-  /// 0.6. (By the slope of films and drops, jets of three particles that hit a plane gained four
-  /// times their energy.) Between bodies that touch the image lies in another one and sees the
-  /// liquid of another pore. Among `bodies`, where less than half of the neighbourhood is liquid,
-  /// the density is that of a liquid at rest, and its velocity does not count; wholly it does from
-  /// 0.6 on. (At a plane wall 0.65 to 0.7 are.) Without, a packed bed in a liquid that sticks to it
-  /// blows up within milliseconds.
+  /// Density and velocity of a wall's particle at `away` [m] from the probe, its mirror image:
+  /// density by a linear fit (mDBC), velocity as a mean. If there is too little liquid for a
+  /// gradient, those of a liquid at rest: below 0.4 of a full neighbourhood, partly up to 0.6.
+  /// (With the gradients of films and drops, jets of three particles that hit a plane quadrupled
+  /// their energy.) Between bodies in contact the image may be in another body, near the liquid of
+  /// another pore. With `bodies`, if less than half of the neighbourhood is liquid, the density is
+  /// that of a liquid at rest and the velocity is not used; from 0.6 on both are used fully. (At a
+  /// plane wall the value is 0.65 to 0.7.) Without this, a packed bed in a liquid with no-slip
+  /// becomes unstable within milliseconds.
   ///
   /// Source: A. English, J. M. Dominguez, R. Vacondio, A. J. C. Crespo, P. K. Stansby, S. J. Lind,
-  ///   L. Chiapponi, M. Gomez-Gesteira, Comput. Part. Mech. 9 (2022) 1 (recalled).
+  ///         L. Chiapponi, M. Gomez-Gesteira, Comput. Part. Mech. 9 (2022) 1 (recalled).
   Mirrored at(const Vec3d& away, const Liquid& liquid, const Vec3d& gravity, double h,
               bool bodies) const {
     constexpr double nothing = 1e-6, little = 0.1;  // [-]

@@ -11,8 +11,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A weakly compressible liquid: P = B ((rho/rho_0)^gamma - 1), B = c^2 rho_0/gamma. Its density
-/// changes by about (v/c)^2: c is to be at least ten times the largest velocity.
+/// Weakly compressible liquid: P = B ((rho/rho_0)^gamma - 1), B = c^2 rho_0/gamma. Its density
+/// varies by about (v/c)^2: c should be at least ten times the largest velocity.
 struct Liquid {
   double density = 0;      // [kg/m3] rho_0, where the pressure is 0
   double sound_speed = 0;  // [m/s] c
@@ -33,9 +33,9 @@ struct Liquid {
     }
     return stiffness() * (std::pow(s, exponent) - 1);
   }
-  /// [J/kg] integral of P/rho^2 from rho_0 on: what compression stores.
+  /// [J/kg] elastic energy: integral of P/rho^2 from rho_0 on.
   double elastic_energy(double rho) const {
-    // P/rho^2 d rho = B/rho_0 (s^(gamma - 2) - s^-2) d s; powers less 1, which would cancel.
+    // P/rho^2 d rho = B/rho_0 (s^(gamma - 2) - s^-2) d s; powers minus 1, to avoid cancellation.
     const double l = std::log1p((rho - density) / density), n = exponent - 1;
     const double rise = n > 0 ? std::expm1(n * l) / n : l;
     return stiffness() / density * (rise + std::expm1(-l));
@@ -45,21 +45,21 @@ struct Liquid {
   }
 };
 
-/// What a liquid does at walls: it slips along them, or sticks.
+/// Condition of a liquid at walls: no-slip, or free slip.
 enum class Slip { None, Free };
 
-/// How finely, and where.
+/// Resolution and region.
 struct SphSetup {
-  double spacing = 0;      // [m] of particles at the start
-  Box region;              // [m] what leaves it is taken out, and counted; in 2D min.y = max.y
-  double smoothing = 1.2;  // [-] h = smoothing sqrt(D) spacing; in 2D not 0.9 to 1 (docs/sph.md)
+  double spacing = 0;      // [m] initial distance of particles
+  Box region;              // [m] what leaves it is removed and counted; in 2D min.y = max.y
+  double smoothing = 1.2;  // [-] h = smoothing sqrt(D) spacing; in 2D avoid 0.9 to 1 (docs/sph.md)
   int dimensions = 3;      // 2: in x and z; a slice one spacing thick
   std::array<bool, 3> periodic{};  // the region repeats
   Vec3d gravity{0, 0, 0};          // [m/s2]
   double courant = 0.2;            // [-] of the time step
-  std::optional<Slip> slip = {};   // at walls; left out: None with a viscosity of its own
+  std::optional<Slip> slip = {};   // left out: None with a viscosity of the liquid
   double scatter =
-      0;  // [-] of the spacing: how far from the lattice fill() puts particles, at most
+      0;  // [-] of the spacing: largest random displacement of new particles from the lattice
 
   double h() const { return smoothing * std::sqrt(static_cast<double>(dimensions)) * spacing; }
   double volume() const {
@@ -86,14 +86,14 @@ struct SphSetup {
     const double length[3] = {e.x, e.y, e.z};
     for (std::size_t d = 0; d < 3; ++d) {
       if (!periodic[d]) continue;
-      require(!(dimensions == 2 && d == 1), "SphSetup: in 2D nothing repeats in y");
+      require(!(dimensions == 2 && d == 1), "SphSetup: in 2D the region cannot be periodic in y");
       const double across = length[d] / spacing;
       require(std::abs(across - std::round(across)) < 1e-6 * across,
-              "SphSetup: the region repeats in ", "xyz"[d], " after ", length[d], " m, which is ",
-              across, " spacings; it must be a whole number of them");
-      require(length[d] > 4 * h(), "SphSetup: the region repeats in ", "xyz"[d], " after ",
+              "SphSetup: the region is periodic in ", "xyz"[d], " after ", length[d],
+              " m, which is ", across, " spacings; it must be a whole number of them");
+      require(length[d] > 4 * h(), "SphSetup: the region is periodic in ", "xyz"[d], " after ",
               length[d], " m, less than two supports of the kernel, ", 4 * h(),
-              " m; take a smaller spacing or a longer region");
+              " m; use a smaller spacing or a longer region");
     }
   }
 };

@@ -12,14 +12,14 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// x -> turn x + shift, as three rows: what all particles of a solid have in common.
+/// x -> rotation x + shift, as three rows: common to all particles of a solid.
 struct AffineMap {
   Vec3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1}, shift{0, 0, 0};
 
   Vec3d operator()(const Vec3d& of) const {
     return {dot(x, of) + shift.x, dot(y, of) + shift.y, dot(z, of) + shift.z};
   }
-  /// Of a function that is such a map.
+  /// From a function that is such a map.
   template <class F>
   static AffineMap of(const F& f) {
     const Vec3d zero = f(Vec3d{0, 0, 0}), a = f(Vec3d{1, 0, 0}) - zero,
@@ -28,15 +28,14 @@ struct AffineMap {
   }
 };
 
-/// Where the particles of walls and bodies are in space, and how fast, by a map of each solid
-/// instead of a rotation of each particle; and the particles' own coordinates in the order of
-/// rows, as they are read.
+/// Positions and velocities of particles of walls and bodies in space, by one map per solid instead
+/// of a rotation per particle. The particles' own coordinates are stored in the order of the rows.
 class SolidFrames {
  public:
   static constexpr std::uint32_t none = ~std::uint32_t{0};
   struct Own {
-    Vec3d at, middle;     // [m] of the row; half way between a particle and its image
-    std::uint32_t frame;  // none: ask the particle
+    Vec3d at, middle;     // [m] of the row; halfway between a particle and its image
+    std::uint32_t frame;  // none: stored with the particle
   };
   std::vector<Own> rows;  // from the first row of walls on
 

@@ -19,11 +19,11 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What an SphCore's walls and bodies take from the liquid, and what it does to them.
+/// Interaction of an SphCore's walls and bodies with the liquid.
 /// @{
 
-/// The velocity of a wall's particle, `away` from its mirror image, where the liquid is `seen` to
-/// move: such that on the surface between them the liquid goes with the wall, or along it.
+/// Velocity of a wall's particle at `away` from its mirror image, where the liquid has the velocity
+/// `seen`: the mean on the surface between them is that of the wall (no-slip), or along it (slip).
 inline Vec3d sph_velocity_at_wall(const Vec3d& seen, const Vec3d& wall, const Vec3d& away,
                                   Slip slip) {
   if (slip == Slip::None) return 2 * wall - seen;
@@ -31,7 +31,7 @@ inline Vec3d sph_velocity_at_wall(const Vec3d& seen, const Vec3d& wall, const Ve
   return across * across >= 0 ? seen - 2 * across * away : seen;
 }
 
-/// Density and velocity of walls' particles, from the liquid at their mirror images.
+/// Density and velocity of wall particles, from the liquid at their mirror images.
 template <class Core>
 void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team) {
   constexpr std::size_t W = Core::Pairs::W;
@@ -69,8 +69,7 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
   });
 }
 
-/// The sums over the liquid beside each particle of walls and bodies: of packs for which
-/// is_asked(pack) holds.
+/// Sums over the liquid for particles of walls and bodies, for packs with is_asked(pack).
 template <class Core, class IsAsked>
 void sph_solid_rates(Core& core, const Team& team, const IsAsked& is_asked) {
   using Lists = typename Core::Lists;
@@ -94,7 +93,7 @@ void sph_solid_rates(Core& core, const Team& team) {
   sph_solid_rates(core, team, [](std::size_t) { return true; });
 }
 
-/// What the liquid does to driven walls, after their rates were found.
+/// Loads of the liquid on driven walls, after their rates.
 template <class Core>
 void sph_driven_loads(const Core& core, std::span<LiquidOnWall> loads) {
   const auto& walls = core.solids.walls;
@@ -129,9 +128,9 @@ void sph_driven_loads(const Core& core, std::span<LiquidOnWall> loads) {
   }
 }
 
-/// [s] for which what the liquid does to bodies may be held. A body that is pushed on radiates
-/// sound, which halts it at a rate of rho c A/m, A = 4/3 pi R^2 or in 2D pi R: over a longer time
-/// a light one would be thrown back, faster each time.
+/// [s] Longest time for which loads on bodies may be constant. A body that moves radiates sound,
+/// which damps it with the rate rho c A/m, A = 4/3 pi R^2 or in 2D pi R. Over a longer time a light
+/// body would oscillate with growing amplitude.
 template <class Core>
 double sph_longest_exchange(const Core& core, const CoupledParticles& of) {
   double longest = INFINITY;
@@ -144,7 +143,7 @@ double sph_longest_exchange(const Core& core, const CoupledParticles& of) {
   return longest;
 }
 
-/// What the liquid does to bodies: the opposite of what they do to it, pair by pair.
+/// Loads of the liquid on bodies: opposite to the forces on the liquid, pair by pair.
 template <class Core>
 void sph_body_loads(Core& core, const Team& team) {
   auto& solids = core.solids;
@@ -154,7 +153,7 @@ void sph_body_loads(Core& core, const Team& team) {
   if (of.empty() && !driven) return;
   const std::size_t first = solids.walls.size();
   if constexpr (Core::Walls::mirrored)
-    sph_solid_rates(core, team, [&](std::size_t pack) {  // prescribed walls do not ask
+    sph_solid_rates(core, team, [&](std::size_t pack) {  // not needed for prescribed walls
       constexpr std::size_t W = Core::Pairs::W;
       for (std::size_t row = pack * W; row < (pack + 1) * W; ++row)
         if (const std::uint32_t k = core.columns.label[row];

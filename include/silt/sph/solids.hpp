@@ -18,16 +18,16 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What is solid in a liquid: the particles of walls, then those of bodies, each with a mirror
-/// image in the liquid, and the rows in which both stand; and the rows of grains that are not
-/// resolved, which are probes alone, numbered from size() on.
+/// Solids in a liquid: the particles of walls, then those of bodies, each with a mirror image in
+/// the liquid, and their rows; and the rows of unresolved grains, which are only probes, numbered
+/// from size() on.
 class SphSolids {
  public:
   WallParticles walls;
   ThinWalls thin;
   BodyPoints bodies;
   std::vector<std::uint32_t> wall_row, probe_row;
-  std::optional<double> plane;  // [m] y of a liquid in 2D: all stays in it, to the last bit
+  std::optional<double> plane;  // [m] y of a liquid in 2D, exact for all particles
 
   std::size_t size() const { return walls.size() + bodies.size(); }
   bool is_wall(std::size_t k) const { return k < walls.size(); }
@@ -43,18 +43,18 @@ class SphSolids {
     if (plane) v.y = 0;
     return v;
   }
-  /// [m/s] of the particle itself, as the solid turns: with a force on it, the power.
+  /// [m/s] of the particle itself in the rotating solid; times a force it gives the power.
   Vec3d own_velocity(std::size_t k) const {
     Vec3d v = is_wall(k) ? walls.own_velocity(k) : bodies.own_velocity(k - walls.size());
     if (plane) v.y = 0;
     return v;
   }
-  /// [-] of a particle's volume and mass.
+  /// [-] share of a particle's volume and mass.
   double share(std::size_t k) const { return is_wall(k) ? 1 : bodies.share(k - walls.size()); }
 
-  /// Puts those that are needed into columns, in the place of all that are there; with probes at
-  /// their mirror images, or without. is_near(x): whether liquid may come near a place. Of each
-  /// body and of walls one is always there, by which it is known how far they have gone.
+  /// Puts the needed particles into columns, in place of the present ones; with probes at their
+  /// mirror images, or without. is_near(x): whether liquid may be near a point. At least one
+  /// particle of each body and of walls is included, to track their displacement.
   template <class IsNear>
   void put_into(SphColumns& columns, double density, bool mirrored, std::span<const Vec3d> grains,
                 const Repeats& repeats, const IsNear& is_near, const Team& team) {
@@ -80,7 +80,7 @@ class SphSolids {
       columns.add(r, ClusterLists::Probe, static_cast<std::uint32_t>(size()) + p);
     }
   }
-  /// Notes the rows from `first` on in which they stand; ClusterLists::none: in none.
+  /// Finds their rows from `first` on; ClusterLists::none: no row.
   void find_rows(const SphColumns& columns, std::size_t first, std::size_t grains) {
     wall_row.assign(size(), ClusterLists::none);
     probe_row.assign(size() + grains, ClusterLists::none);
@@ -112,7 +112,7 @@ class SphSolids {
       own.at = ghost, frames_.rows[probe_row[k] - first] = own;
     }
   }
-  /// [m/s] of the surface beside the particle k, whose row, or that of its image, is given.
+  /// [m/s] of the surface at the particle k, with its row or that of its image.
   Vec3d velocity(std::size_t k, std::size_t row) const {
     const SolidFrames::Own& own = frames_.rows[row - first_row_];
     return own.frame == SolidFrames::none ? velocity(k) : frames_.velocity(own);
@@ -124,7 +124,7 @@ class SphSolids {
   std::span<const std::uint32_t> grain_rows() const {
     return std::span(probe_row).subspan(std::min(size(), probe_row.size()));
   }
-  /// Whether none has gone farther than its slack in the lists.
+  /// Whether no particle has moved by more than its slack in the lists.
   bool hold(const ClusterLists& lists, bool mirrored, std::span<const Vec3d> grains) const {
     if (walls.size() > 0 && walls.way() > lists.slack(wall_row[0])) return false;
     bool all = true;
@@ -140,8 +140,8 @@ class SphSolids {
     for (std::size_t p = 0; p < grains.size(); ++p) look(probe_row[size() + p], flat(grains[p]));
     return all;
   }
-  /// Moves their rows to where they are now, each in the image that its row is in: those that may
-  /// meet liquid by the lists, or all. Without probes they have the velocity of their surface.
+  /// Moves their rows to the present positions, in the same periodic image: those near liquid by
+  /// the lists, or all. Without probes they have the velocity of their surface.
   void move_rows(SphColumns& columns, const ClusterLists& lists, bool walls_too, bool mirrored,
                  std::span<const Vec3d> grains, bool all, const Team& team) {
     if (frames_.rows.empty()) find_frames(columns);
@@ -170,7 +170,7 @@ class SphSolids {
       }
     });
   }
-  /// [N] of the liquid on one, after its rates were found; `mass` [kg] of a particle.
+  /// [N] of the liquid on one particle, after its rates; `mass` [kg] of a particle.
   Vec3d force_on(std::size_t k, const SphColumns& columns, double mass) const {
     if (!has_row(k)) return {0, 0, 0};
     return (share(k) * mass) * columns.rates[wall_row[k]].acceleration;

@@ -24,7 +24,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A liquid with a free surface, by weakly compressible smoothed particle hydrodynamics:
+/// Liquid with a free surface, by weakly compressible smoothed particle hydrodynamics (SPH):
 ///
 ///   d rho_a/dt = rho_a sum V_b v_ab.grad W + diffusion
 ///   d v_a/dt   = -sum m_b (P_a + P_b)/(rho_a rho_b) grad W + viscosity + g
@@ -37,19 +37,20 @@ namespace silt::inline SILT_TARGET {
 ///   water.fill([](const silt::Vec3d& x) { return x.z < 0.3; });
 ///   water.run(1.0);
 ///
-/// Policies follow in any order: a kernel, a viscosity, a diffusion of density, Shifting,
-/// ShiftingByFastest or NoShifting, a time integration, a kind of walls. Left out: WendlandC2,
+/// Policies in any order: a kernel, a viscosity, a diffusion of density, Shifting,
+/// ShiftingByFastest or NoShifting, a time integration, a kind of walls. Defaults: WendlandC2,
 /// ArtificialViscosity, Fourtakas, Shifting, SymplecticTime, MirroredWalls.
 ///
-/// Walls are layers of particles behind surfaces, bodies are filled with particles. With
-/// MirroredWalls these have the density that the liquid has at their mirror images (mDBC) and a
-/// velocity such that the liquid slides along the surface or, with LaminarViscosity, sticks to it
+/// Walls are layers of particles behind surfaces; bodies are filled with particles. With
+/// MirroredWalls these particles have the density of the liquid at their mirror images (mDBC), and
+/// a velocity that makes the liquid slip along the surface or, with LaminarViscosity, stick to it
 /// (SphSetup::slip).
 ///
-/// Source: J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703 (recalled); each term where it stands.
-/// Valid:  where speeds are below a tenth of `sound_speed`.
-/// Errors: InputError for settings that cannot be; SimulationError where a density leaves
-///         `least_density` to `most_density`, or a number is none.
+/// Source: J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703 (recalled); other terms: see their
+///         headers.
+/// Valid:  speeds below a tenth of `sound_speed`.
+/// Errors: InputError for invalid settings; SimulationError if a density is outside `least_density`
+///         to `most_density`, or a number is NaN.
 /// Tests:  tests/sph/.
 /// Units:  SI; in 2D per metre of depth.
 template <class... Policies>
@@ -92,13 +93,13 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
       if (core().steps == 0) detail::refuse_misfit(solid, places(0), setup());
     }
   }
-  /// Bodies of other shapes than spheres: the form of number `form`.
+  /// Shape of bodies other than spheres: the form with number `form`.
   template <class Shape>
   void take_form(std::size_t form, const Shape& shape) {
     core().solids.bodies.take_form(form, shape);
   }
-  /// As many as sound, the pairs of the last step, light bodies and light walls leave: a step that
-  /// is only just too long would be halved. advance() takes shorter steps where more is needed.
+  /// Number of steps allowed by sound, the pairs of the last step, light bodies and light walls. A
+  /// step slightly too long would be halved; advance() takes shorter steps where needed.
   int steps_wanted(const FluidPace& pace, const Team&) const {
     const double c = liquid().sound_speed;
     const double pairs =
@@ -107,13 +108,13 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
                                      core().longest_hold().first});
     return std::max(1, static_cast<int>(longest / pace.step));
   }
-  /// The liquid goes on by dt [s] beside bodies, in as many steps as it needs; sets what it does
-  /// to them [N], [N m], on average.
+  /// Advances the liquid by dt [s] with bodies in it, in as many steps as needed; returns the mean
+  /// loads on them [N], [N m].
   void advance(const CoupledParticles& of, double dt, std::span<Vec3d> force, const Team& team,
                std::span<Vec3d> torque) {
     if (const auto [longest, w] = core().longest_hold(); dt > 2 * longest)
       throw Error(text("wall ", w, " ", in_quotes(core().solids.walls.wall(w).name),
-                       " is too light beside the liquid for steps of ", dt,
+                       " is too light compared with the liquid for steps of ", dt,
                        " s; set Simulation::time_step to less than ", longest,
                        " s, or give the wall a larger mass or inertia"));
     core().take_particles(of);
@@ -130,12 +131,12 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     }
     clock.count(dt);
   }
-  /// What it does to a driven wall of the Simulation until the next advance().
+  /// Load on a driven wall of the Simulation, constant until the next advance().
   detail::LiquidOnWall load_on_driven(std::size_t wall) const {
     return wall < core().on_walls.size() ? core().on_walls[wall] : detail::LiquidOnWall{};
   }
-  /// All that the liquid goes on from, to the last bit: also where particles were when the lists
-  /// were made.
+  /// Complete state for a restart to the last bit, including the positions at which the lists were
+  /// built.
   template <class Visit>
   void for_each_state(const Visit& visit);
   template <class Describer>
@@ -152,26 +153,26 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   const Liquid& liquid() const { return core().liquid; }
   using Core::particle_mass;  // [kg]; 2D: [kg/m]
 
-  /// A wall; before any fill().
+  /// Adds a wall; before any fill().
   void add_wall(const Surfaces& surfaces, const WallSetup& setup = {}) {
     require(core().next_number == 0,
-            "Sph: add_wall() comes after fill(); add walls first, so that no liquid "
+            "Sph: add_wall() comes after fill(); add walls first, then no liquid "
             "is put into them");
     core().solids.walls.add(surfaces, setup);
   }
-  /// A place through which liquid comes in, or leaves; after walls, before any fill(). Returns its
-  /// number. An inlet has a velocity or a pressure, an outlet what is given; what is left out is
-  /// that of the liquid at mirror images in front of the opening. Where the flow turns, an inlet
-  /// lets out and an outlet lets in.
+  /// Adds an opening through which liquid enters or leaves; after walls, before any fill(). Returns
+  /// its number. An inlet needs a velocity or a pressure; for an outlet both are optional. Other
+  /// values are taken from the liquid at mirror images in front of the opening. If the flow
+  /// reverses, an inlet becomes an outlet and vice versa.
   std::size_t add_inlet(const Opening& opening, const OpeningSetup& setup) {
     return add_opening(opening, setup, true);
   }
   std::size_t add_outlet(const Opening& opening, const OpeningSetup& setup = {}) {
     return add_opening(opening, setup, false);
   }
-  /// Puts liquid on the lattice where inside(x) holds and no wall is nearer than half a spacing;
-  /// start(x) gives its velocity [m/s], pressure(x) its pressure [Pa]. Returns how many particles
-  /// came. Those in bodies of the Simulation are taken out, and counted by displaced().
+  /// Adds liquid on the lattice where inside(x) is true and no wall is nearer than half a spacing;
+  /// start(x) gives its velocity [m/s], pressure(x) its pressure [Pa]. Returns the number of
+  /// particles. Those in bodies of the Simulation are removed, and counted by displaced().
   template <class Inside, class Start, class Pressure>
   std::size_t fill(const Inside& inside, const Start& start, const Pressure& pressure) {
     const std::uint32_t before = core().next_number;
@@ -194,7 +195,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
       require(rise < 0.05, "Sph::fill: at ", x, " m the pressure of ", p,
               " Pa raises the density by about ", 100 * rise,
               " %, as Liquid.sound_speed = ", liquid().sound_speed,
-              " m/s is too low for it; take at least ", 10 * std::sqrt(2 * p / liquid().density),
+              " m/s is too low for it; use at least ", 10 * std::sqrt(2 * p / liquid().density),
               " m/s, ten times the speed that such a pressure gives");
       r.place(x), r.move(v), r.density = liquid().density_at(p);
       core().columns.add(r, Core::Lists::Liquid, core().next_number++);
@@ -202,14 +203,14 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     });
     require(
         core().next_number > before, "Sph::fill: no place of the lattice of ", setup().spacing,
-        " m is inside; see that the region and the walls leave room, or take a smaller spacing");
+        " m is inside; check that the region and the walls leave space, or use a smaller spacing");
     if (core().steps == 0) detail::refuse_misfit(core().solids.walls, places(before), setup());
     core().renewed();
     if (!core().solids.bodies.empty()) core().make_room_for_bodies();
     return core().next_number - before;
   }
-  /// At rest, with the pressure of a liquid at rest under gravity, as far as directions do not
-  /// repeat, that reaches up to where inside(x) ends.
+  /// The same at rest, with hydrostatic pressure (without gravity along periodic directions) below
+  /// the highest point of inside(x).
   template <class Inside>
   std::size_t fill(const Inside& inside) {
     double top = -INFINITY;  // [m2/s2] largest of -g.x
@@ -226,7 +227,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
         [&](const Vec3d& x) { return liquid().density * (top + dot(g, x)); });
   }
 
-  /// Goes on for `duration` [s], to the last digit.
+  /// Runs for `duration` [s], exactly.
   void run(double duration, const Team& team = {}) {
     require(std::isfinite(duration) && duration >= 0, "Sph::run: duration = ", duration,
             " s must be at least 0");
@@ -237,7 +238,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     }
     core().time = core().now = end;
   }
-  /// [s] by sound, speeds, accelerations and viscosity as they are now:
+  /// [s] from sound, speeds, accelerations and viscosity of the present state:
   ///   courant min(h/(c + max |h v.r/(r^2 + (0.1 h)^2)|), sqrt(h/max |a|)), h^2/(8 nu)
   double longest_step(const Team& team = {}) {
     core().find_rates(team);
@@ -251,34 +252,34 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   double time() const { return core().time; }            // [s]
   std::int64_t steps() const { return core().steps; }    // [-]
   double last_step() const { return core().last_step; }  // [s]
-  std::size_t size() const {                             // particles of the liquid
+  std::size_t size() const {                             // liquid particles
     return core().next_number - core().left - core().displaced - core().openings.went();
   }
   std::size_t openings() const { return core().openings.size(); }
-  /// What has come through an opening since the start.
+  /// Flow through an opening since the start.
   const OpeningBooks& opening_books(std::size_t which) const {
     check_opening("opening_books", which);
     return core().openings[which].books;
   }
-  /// [kg/s] that comes in through an opening now, [kg/(m s)] in 2D; negative: leaves. After a step.
+  /// [kg/s] present inflow through an opening, [kg/(m s)] in 2D; negative: outflow. After a step.
   double flow_rate(std::size_t which) const {
     check_opening("flow_rate", which);
     return core().openings.flow_rate(core().columns, which, particle_mass());
   }
-  /// Calls visit(opening, position, velocity, density, pressure) for the particles of the openings'
-  /// buffers, which are no part of the liquid.
+  /// Calls visit(opening, position, velocity, density, pressure) for the buffer particles of
+  /// openings, which do not belong to the liquid.
   template <class Visit>
   void for_each_buffer(const Visit& visit) const {
     detail::SphOpenings::for_each(core().columns, [&](const Row& r, std::size_t opening) {
       visit(opening, r.position(), r.velocity(), r.density, liquid().pressure(r.density));
     });
   }
-  std::size_t left() const { return core().left; }            // ... that have left the region
-  std::size_t displaced() const { return core().displaced; }  // ... that were where a body came
+  std::size_t left() const { return core().left; }            // ... that left the region
+  std::size_t displaced() const { return core().displaced; }  // ... displaced by a body
   std::size_t wall_particles() const { return core().solids.walls.size(); }
 
-  /// Calls visit(number, position, velocity, density, pressure) for each particle of the liquid, in
-  /// the order of their places in memory.
+  /// Calls visit(number, position, velocity, density, pressure) for each liquid particle, in memory
+  /// order.
   template <class Visit>
   void for_each(const Visit& visit) const {
     for (std::size_t k = 0; k < core().columns.size(); ++k)
@@ -305,21 +306,21 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
         sum += 0.5 * core().mass_of(k) * dot(v, v);
     return sum;
   }
-  /// With an EnergyLedger: where the energy is and where it went since the first step.
+  /// With an EnergyLedger: energy balance since the first step.
   LiquidBalance energy() const {
     static_assert(Axes::ledger,
-                  "energy() reads the books of a policy that is missing: give the Sph "
+                  "energy() needs the policy EnergyLedger, which is missing: give the Sph "
                   "silt::EnergyLedger{} among its policies");
     return detail::sph_balance(core());
   }
-  /// With UnresolvedGrains: how well the books of liquid and grains close, at most of any step, and
-  /// those of the last step.
+  /// With UnresolvedGrains: closure errors of the balances of liquid and grains, largest of any
+  /// step, and those of the last step.
   const auto& closure() const requires(Axes::Grains::averaged) { return core().grains.closure; }
   const auto& last_exchange() const requires(Axes::Grains::averaged) { return core().grains.last; }
-  /// What the liquid does to a wall now: force [N] ([N/m] in 2D), torque [N m] about `about` [m].
+  /// Present load of the liquid on a wall: force [N] ([N/m] in 2D), torque [N m] about `about` [m].
   std::pair<Vec3d, Vec3d> wall_load(std::size_t wall, const Vec3d& about = {0, 0, 0},
                                     const Team& team = {}) const {
-    Core& own = const_cast<Sph&>(*this).core();  // rates are found anew, and nothing else changes
+    Core& own = const_cast<Sph&>(*this).core();  // only recomputes rates
     const auto& solid = own.solids.walls;
     require(wall < solid.walls(), "Sph::wall_load: there is no wall ", wall, "; there are ",
             solid.walls());
@@ -343,7 +344,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     if (open && !Axes::Walls::mirrored) detail::sph_solid_rates(own, team);  // as they were
     return {force, torque};
   }
-  /// The liquid as points for ParaView (.vtp).
+  /// Writes the liquid as points for ParaView (.vtp).
   void write(const std::string& path) const {
     std::vector<Vec3d> position, velocity;
     std::vector<double> density, pressure;
@@ -361,12 +362,12 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   std::size_t add_opening(const Opening& opening, const OpeningSetup& setup_of, bool inlet) {
     require(core().next_number == 0 && core().steps == 0,
             "Sph: ", inlet ? "add_inlet" : "add_outlet",
-            "() comes after fill(); add openings first, so that no liquid is put behind them");
+            "() comes after fill(); add openings first, then no liquid is put behind them");
     require(!Core::Book::kept,
-            "Sph: openings and an EnergyLedger do not go together so far; leave the ledger out, "
-            "opening_books() has the energy that came and left");
+            "Sph: openings and an EnergyLedger cannot be combined yet; leave out the ledger, "
+            "opening_books() has the energy that entered and left");
     require(!Axes::Grains::averaged,
-            "Sph: openings and UnresolvedGrains do not go together so far; leave one out");
+            "Sph: openings and UnresolvedGrains cannot be combined yet; leave one out");
     const std::size_t which =
         core().openings.add({.opening = opening, .setup = setup_of, .inlet = inlet}, setup(),
                             liquid(), core().lists.repeats);
@@ -379,7 +380,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   }
   Core& core() { return *this; }
   const Core& core() const { return *this; }
-  /// Of the liquid from number `first` on, before it has moved: those of the lattice.
+  /// Lattice positions of the liquid from number `first` on, before it has moved.
   std::vector<Vec3d> places(std::uint32_t first) const {
     std::vector<Vec3d> all;
     for (std::size_t k = 0; k < core().columns.size(); ++k)
@@ -395,7 +396,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     return setup().region.min +
            Vec3d{middle(at.x), setup().dimensions == 2 ? 0 : middle(at.y), middle(at.z)};
   }
-  /// A particle's place beside its site of the lattice: the same in every fill.
+  /// Initial position of a particle near its lattice site: the same in every fill.
   Vec3d scattered(const Vec3d& site) const {
     const double farthest = setup().scatter * setup().spacing;
     if (!(farthest > 0)) return site;
@@ -404,7 +405,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
                  z = random.uniform(-farthest, farthest);
     return site + Vec3d{x, setup().dimensions == 2 ? 0 : y, z};
   }
-  /// A number for the lattice's cell at a place.
+  /// Number of the lattice cell at a point.
   std::uint64_t site_of(const Vec3d& x) const {
     const Vec3d at = (1 / setup().spacing) * (x - setup().region.min);
     const auto of = [](double a) { return static_cast<std::uint64_t>(std::floor(a) + 1e6); };

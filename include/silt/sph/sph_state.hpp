@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Part of Sph that only checkpoints ask for.
+// Part of Sph used only by checkpoints.
 
 #include <algorithm>
 #include <array>

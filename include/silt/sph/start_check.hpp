@@ -13,17 +13,16 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// At the first step: whether sound is fast enough for a fall through the height that the liquid
-/// has and for the walls as they move now. What it will do besides is not known here.
+/// At the first step: checks that the sound speed suits a fall through the height of the liquid and
+/// the present motion of walls. The later flow is not known here.
 template <class Core>
 void sph_check_sound(const Core& core) {
   constexpr double least = 5;  // [-]; 10 are advised
   const double c = core.liquid.sound_speed;
   const auto check = [&](double speed, const auto&... of) {
     require(c >= least * speed, "Sph: Liquid.sound_speed = ", c, " m/s is ", c / speed,
-            " times the speed of ", of..., ", ", speed,
-            " m/s, so that the liquid would be compressed by ", 100 * speed * speed / (c * c),
-            " %; take ten times that speed, ", 10 * speed, " m/s");
+            " times the speed of ", of..., ", ", speed, " m/s; the liquid would be compressed by ",
+            100 * speed * speed / (c * c), " %; use ten times that speed, ", 10 * speed, " m/s");
   };
   constexpr double far = std::numeric_limits<double>::infinity();
   Vec3d low{far, far, far}, high{-far, -far, -far};

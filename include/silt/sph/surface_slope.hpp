@@ -9,12 +9,11 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The slope of C = sum V W that a flat free surface makes, h |grad C|, over how full a kernel
-/// below it is, -sum V r.grad W/D. Shifting takes it out of grad C: what is left comes from uneven
-/// particles. Without, all near a surface are shifted outwards, and the liquid rises.
+/// Gradient of C = sum V W due to a flat free surface, h |grad C|, as a function of the fullness of
+/// the kernel, -sum V r.grad W/D. Shifting subtracts it from grad C: the rest is due to disorder.
+/// Without it all particles near a surface are shifted outwards, and the liquid rises.
 ///
-/// At the distance y below the surface, with the plane's share p(y) = integral of W over z = y:
-///
+/// At the distance y below the surface, with the share of a plane p(y) = integral of W over z = y:
 ///   |grad C| = p(y),  -sum V r.grad W = D C(y) - y p(y),  C(y) = 1 - integral of p from y on
 template <class Kernel>
 class SphSurfaceSlope {
@@ -42,8 +41,8 @@ class SphSurfaceSlope {
     const double share = place - static_cast<double>(k);
     return (1 - share) * slope_[k] + share * slope_[k + 1];
   }
-  /// The same, 0 inside: a kernel that is nearly full lacks what it does as particles are uneven.
-  /// Of a liquid that fills its space; a wave or a floating body is as well off without.
+  /// The same, 0 inside: a nearly full kernel deviates because of disorder. For a liquid that fills
+  /// its space; waves and floating bodies do not need it.
   double beyond_inside(double full) const {
     constexpr double inside = 0.97, surface = 0.92;
     return std::clamp((inside - full) / (inside - surface), 0.0, 1.0) * (*this)(full);

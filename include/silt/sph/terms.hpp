@@ -7,8 +7,8 @@
 #include <silt/core/error.hpp>
 #include <silt/sph/kernels.hpp>
 
-/// The terms that an SPH liquid may have, each a small type: viscosity, diffusion of density,
-/// shifting. Those that are left out cost nothing.
+/// Optional terms of an SPH liquid, each a small type: viscosity, diffusion of density, shifting.
+/// Omitted terms cost nothing.
 ///
 /// Units:  SI.
 /// Errors: check() throws InputError naming field, value and allowed range.
@@ -17,9 +17,9 @@ namespace silt::inline SILT_TARGET {
 /// @name Viscosity: the acceleration of a by b, per mass
 /// @{
 
-/// None: what is left is that of the scheme.
+/// No viscosity except that of the scheme.
 /// Source: none.
-/// Valid:  liquids whose own viscosity does not matter, for short runs: nothing damps sound.
+/// Valid:  short runs of liquids whose viscosity is not important: sound is not damped.
 /// Tests:  tests/sph/flows.cpp, tests/sph/pair_sums.cpp.
 struct Inviscid {
   static constexpr SphAxis sph_axis = SphAxis::Viscosity;
@@ -29,13 +29,13 @@ struct Inviscid {
   double longest_step(double) const { return INFINITY; }
 };
 
-/// -Pi grad W, Pi = -alpha c mu/rho_ab, mu = h v_ab.r_ab/(r^2 + (0.1 h)^2) of those that approach,
-/// 0 of others: damps sound and keeps particles in order.
+/// Artificial viscosity -Pi grad W, Pi = -alpha c mu/rho_ab, mu = h v_ab.r_ab/(r^2 + (0.1 h)^2) for
+/// approaching particles, 0 for others. It damps sound and keeps particles ordered.
 ///
-/// It acts as a kinematic viscosity of alpha h c/10 in 3D, alpha h c/8 in 2D, of which shear feels
-/// half, since half of all pairs recede.
+/// It acts as a kinematic viscosity of alpha h c/10 in 3D, alpha h c/8 in 2D. In shear it is half
+/// as large, since half of all pairs move apart.
 /// Source: J. J. Monaghan, J. Comput. Phys. 110 (1994) 399.
-/// Valid:  alpha of 0.01 to 0.1; flows in which the viscosity that it acts as does not matter.
+/// Valid:  alpha of 0.01 to 0.1; flows in which its effective viscosity is not important.
 /// Tests:  tests/sph/pair_sums.cpp, tests/sph/waves.cpp.
 struct ArtificialViscosity {
   double alpha = 0.02;  // [-]
@@ -50,14 +50,14 @@ struct ArtificialViscosity {
   double longest_step(double) const { return INFINITY; }
 };
 
-/// The liquid's own viscosity: 4 nu m_b r.grad W/((rho_a + rho_b)(r^2 + (0.1 h)^2)) v_ab, and an
-/// artificial one beside it where `alpha` is not 0.
+/// Viscosity of the liquid: 4 nu m_b r.grad W/((rho_a + rho_b)(r^2 + (0.1 h)^2)) v_ab, plus an
+/// artificial viscosity if `alpha` is not 0.
 /// Source: E. Y. M. Lo, S. Shao, Appl. Ocean Res. 24 (2002) 275.
-/// Valid:  flows that the spacing resolves.
+/// Valid:  flows resolved by the spacing.
 /// Tests:  tests/sph/taylor_green.cpp, tests/sph/flows.cpp, tests/sph/stokes_sphere.cpp.
 struct LaminarViscosity {
   double kinematic = 0;  // [m2/s]
-  double alpha = 0.02;   // [-] of ArtificialViscosity, beside it
+  double alpha = 0.02;   // [-] of an additional ArtificialViscosity
 
   static constexpr SphAxis sph_axis = SphAxis::Viscosity;
   static constexpr bool artificial = true, laminar = true;
@@ -74,7 +74,7 @@ struct LaminarViscosity {
 /// @name Diffusion of density, among liquid particles: against noise in the pressure
 /// @{
 
-/// None: noise in the pressure stays.
+/// No diffusion of density; the pressure remains noisy.
 /// Source: none.
 /// Valid:  short runs and comparison.
 /// Tests:  tests/sph/pair_sums.cpp, tests/sph/elliptic_drop.cpp.
@@ -85,10 +85,10 @@ struct NoDiffusion {
   void check() const {}
 };
 
-/// d rho/dt = delta h c sum_b 2 (rho_a - rho_b) (r_ab.grad W)/(r^2 + (0.1 h)^2) V_b: of a liquid at
-/// rest under gravity it changes the density near the free surface.
+/// Diffusion d rho/dt = delta h c sum_b 2 (rho_a - rho_b) (r_ab.grad W)/(r^2 + (0.1 h)^2) V_b. In a
+/// liquid at rest under gravity it changes the density near the free surface.
 /// Source: D. Molteni, A. Colagrossi, Comput. Phys. Commun. 180 (2009) 861.
-/// Valid:  without gravity, or where the layer at the free surface does not matter.
+/// Valid:  without gravity, or where the layer at the free surface is not important.
 /// Tests:  tests/sph/pair_sums.cpp.
 struct MolteniColagrossi {
   double delta = 0.1;  // [-]
@@ -102,10 +102,10 @@ struct MolteniColagrossi {
   }
 };
 
-/// The same of what is beyond the hydrostatic difference: (rho_a - rho_b) - rho_0 g.r_ab/c^2, the
-/// equation of state taken as linear over the kernel.
+/// MolteniColagrossi for the deviation from the hydrostatic difference: (rho_a - rho_b) -
+/// rho_0 g.r_ab/c^2, with an equation of state that is linear over the kernel.
 /// Source: G. Fourtakas, J. M. Dominguez, R. Vacondio, B. D. Rogers, Comput. Fluids 190 (2019) 346;
-///   with the sign that makes it diffuse.
+///         with the sign that gives diffusion.
 /// Valid:  with and without gravity.
 /// Tests:  tests/sph/pair_sums.cpp, tests/sph/flows.cpp.
 struct Fourtakas {
@@ -124,7 +124,7 @@ struct Fourtakas {
 /// @name Shifting: particles move a little towards where there are few
 /// @{
 
-/// None: particles move with the liquid's velocity.
+/// No shifting: particles move with the liquid's velocity.
 /// Source: none.
 /// Valid:  violent flows with a free surface.
 /// Tests:  tests/sph/flows.cpp, tests/sph/elliptic_drop.cpp.
@@ -136,7 +136,7 @@ struct NoShifting {
 };
 
 namespace detail {
-/// What Shifting and ShiftingByFastest have in common.
+/// Common checks of Shifting and ShiftingByFastest.
 template <class Policy>
 void check_shifting(const Policy& of) {
   require(std::isfinite(of.strength) && of.strength >= 0 && of.strength <= 6, Policy::policy_name,
@@ -149,15 +149,15 @@ inline double shifting_threshold(double threshold, int dimensions) {
 }
 }  // namespace detail
 
-/// dr = -A h |v| dt grad C, grad C = sum_b V_b grad W. At a free surface, where
-/// div r = -sum_b V_b r.grad W is below `threshold` (1.5 in 2D, 2.75 in 3D where it is 0), there is
-/// none, and between that and 2 or 3 a share.
+/// Shifting by dr = -A h |v| dt grad C, grad C = sum_b V_b grad W. It is 0 at a free surface, where
+/// div r = -sum_b V_b r.grad W is below `threshold` (1.5 in 2D, 2.75 in 3D if it is 0), and
+/// increases linearly up to 2 or 3.
 /// Source: S. J. Lind, R. Xu, P. K. Stansby, B. D. Rogers, J. Comput. Phys. 231 (2012) 1499; switch
-///   as in DualSPHysics.
+///         as in DualSPHysics.
 /// Valid:  flows with and without a free surface.
 /// Tests:  tests/sph/taylor_green.cpp, tests/sph/refusals.cpp.
 struct Shifting {
-  double strength = 2, threshold = 0;  // [-] A; of div r, 0: as said above
+  double strength = 2, threshold = 0;  // [-] A; of div r, 0: default as above
 
   static constexpr SphAxis sph_axis = SphAxis::Shifting;
   static constexpr bool shifts = true, by_fastest = false;
@@ -168,10 +168,10 @@ struct Shifting {
   }
 };
 
-/// The same with the speed of the fastest particle in place of |v|: for a liquid that fills its
-/// space. Where a flow stagnates |v| is 0, and the stretching that leaves particles uneven largest.
+/// Shifting with the speed of the fastest particle in place of |v|, for a liquid that fills its
+/// space. At a stagnation point |v| is 0, while the strain that disorders particles is largest.
 /// Source: P. N. Sun, A. Colagrossi, S. Marrone, A. M. Zhang, Comput. Methods Appl. Mech. Eng. 315
-///   (2017) 25 (recalled), whose Ma CFL (2 h)^2 is A = 4; without its term against pairing.
+///         (2017) 25 (recalled); their Ma CFL (2 h)^2 is A = 4; without their term against pairing.
 /// Valid:  liquids that fill their space.
 /// Tests:  tests/sph/taylor_green.cpp, tests/sph/refusals.cpp.
 struct ShiftingByFastest {
@@ -190,10 +190,10 @@ struct ShiftingByFastest {
 /// @name Walls and bodies: the density of the particles in them
 /// @{
 
-/// That of the liquid at their mirror images, by a linear function; their velocity is mirrored too,
-/// so that the liquid sticks to the surface or slides along it (mDBC).
+/// Density of the liquid at the mirror images, by a linear fit, and mirrored velocities for no-slip
+/// or slip (mDBC).
 /// Source: A. English and others, Comput. Part. Mech. 9 (2022) 1 (recalled).
-/// Valid:  walls of any form, of which particles of the liquid see a side.
+/// Valid:  walls of any shape with liquid on one side.
 /// Tests:  tests/sph/walls.cpp, tests/sph/bodies.cpp.
 struct MirroredWalls {
   static constexpr SphAxis sph_axis = SphAxis::Walls;
@@ -202,11 +202,11 @@ struct MirroredWalls {
   void check() const {}
 };
 
-/// Its own, which changes by the continuity equation beside the liquid, and is not below rho_0
-/// (DBC): what comes near a wall raises the density on both sides, and so is pushed back. Cheaper,
-/// and less accurate beside the wall. Their velocity is the wall's.
+/// Own density of wall particles, by the continuity equation, not below rho_0 (DBC). A particle
+/// that approaches a wall raises the density on both sides and is pushed back. Cheaper, and less
+/// accurate near the wall. Their velocity is the wall's.
 /// Source: A. J. C. Crespo, M. Gomez-Gesteira, R. A. Dalrymple, CMC 5 (2007) 173 (recalled).
-/// Valid:  where the pressure beside the wall does not matter.
+/// Valid:  where the pressure at the wall is not important.
 /// Tests:  tests/sph/bodies.cpp, tests/sph/flows.cpp.
 struct DynamicWalls {
   static constexpr SphAxis sph_axis = SphAxis::Walls;
@@ -216,8 +216,8 @@ struct DynamicWalls {
 };
 /// @}
 
-/// Grains that are too small to be resolved are refused. The other policy of this axis is
-/// UnresolvedGrains (unresolved_grains.hpp).
+/// Refuses grains that are too small to be resolved. The alternative is UnresolvedGrains
+/// (unresolved_grains.hpp).
 /// Source: none.
 /// Valid:  bodies of at least 1.5 spacings.
 /// Tests:  tests/sph/bodies.cpp, tests/sph/grains.cpp.
@@ -234,11 +234,11 @@ struct ResolvedGrains {
 /// @name Steps in time
 /// @{
 
-/// One evaluation a step: velocity and density leap over two steps, and every `restart` steps over
-/// one. What the odd steps and the even ones differ by grows in between, as damping acts on it with
-/// the wrong sign: by diffusion alone as e^(7 delta c t/h), 7 = 2 int |W'|/r dV h^2 of WendlandC2,
-/// which is e^(7 delta courant restart) from one restart to the next. DualSPHysics restarts after
-/// 40 steps, which is too long here (docs/sph.md).
+/// Verlet scheme, one evaluation per step: velocity and density leap over two steps, and every
+/// `restart` steps over one. The difference between odd and even steps grows in between, because
+/// damping acts on it with the wrong sign: by diffusion alone as e^(7 delta c t/h), 7 = 2 int
+/// |W'|/r dV h^2 of WendlandC2, which is e^(7 delta courant restart) between two restarts.
+/// DualSPHysics restarts after 40 steps, which is too many here (docs/sph.md).
 /// Source: L. Verlet, Phys. Rev. 159 (1967) 98, as in DualSPHysics but for `restart`.
 /// Valid:  `courant` up to 0.2, restart * courant up to 1.5, and some damping: not Inviscid with
 ///         NoDiffusion.
@@ -255,7 +255,7 @@ struct VerletTime {
   }
 };
 
-/// Two evaluations a step, in its middle too; second order.
+/// Symplectic scheme, two evaluations per step, one of them in its middle; second order.
 /// Source: B. Leimkuhler, C. Matthews, Molecular Dynamics, 2015, as in DualSPHysics.
 /// Valid:  Courant numbers up to that of SphSetup.
 /// Tests:  tests/sph/flows.cpp.

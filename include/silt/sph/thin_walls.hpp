@@ -16,19 +16,20 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Where walls are so thin that liquid sees through them, and a refusal once there is liquid on
-/// both sides: opposite surfaces nearer than 2 h - spacing. Corners and the tips of wedges of more
-/// than 25 degrees, through which liquid sees too, are let pass.
+/// Finds walls so thin that liquid on one side interacts with liquid on the other: opposite
+/// surfaces closer than 2 h - spacing. They are refused once there is liquid on both sides. Corners
+/// and tips of wedges of more than 25 degrees are accepted, although liquid interacts through them
+/// too.
 class ThinWalls {
  public:
   void find(const WallParticles& walls, const SphSetup& setup) {
     places_.clear(), known_ = true;
     const double s = setup.spacing, least = 2 * setup.h() - s;
-    constexpr double opposite = -0.9;  // [-] of the normals' product
+    constexpr double opposite = -0.9;  // [-] product of the normals
     for (std::size_t k = 0; k < walls.size(); ++k) {
       const WallParticles::Nearest here = walls.nearest(walls.place(k));
       const double deep = std::abs(here.distance);
-      if (!(deep <= 0.8 * s)) continue;  // the first layer is enough
+      if (!(deep <= 0.8 * s)) continue;  // the first layer is sufficient
       const Vec3d way = -1.0 * here.normal, surface = walls.place(k) - deep * way;
       for (double t = deep + 0.1 * s; t < least; t += 0.1 * s) {
         const WallParticles::Nearest there = walls.nearest(surface + t * way);
@@ -43,7 +44,7 @@ class ThinWalls {
       }
     }
   }
-  /// Errors: SimulationError where liquid stands within 1.5 spacings of both sides.
+  /// Errors: SimulationError if there is liquid within 1.5 spacings of both sides.
   void check(const WallParticles& walls, const SphColumns& columns, const Repeats& repeats,
              const SphSetup& setup, std::int64_t step, double time) const {
     if (places_.empty()) return;
@@ -69,17 +70,17 @@ class ThinWalls {
       const Vec3d one = walls.to_space(p.wall, p.one);
       if (!is_wet(one) || !is_wet(walls.to_space(p.wall, p.other))) continue;
       throw SimulationError(
-          text(
-              "the liquid's step ", step, ", t = ", time, " s: wall ",
-              in_quotes(walls.name(p.wall)), " is ", p.thickness, " m thin near ", one,
-              " m and has liquid on both sides, which sees through it; make it thicker than 2 h = ",
-              2 * setup.h(), " m, or take a spacing of at most ",
-              p.thickness * setup.spacing / (2 * setup.h()), " m"),
+          text("the liquid's step ", step, ", t = ", time, " s: wall ",
+               in_quotes(walls.name(p.wall)), " is ", p.thickness, " m thin near ", one,
+               " m and has liquid on both sides, which interacts through it; make it thicker than "
+               "2 h = ",
+               2 * setup.h(), " m, or use a spacing of at most ",
+               p.thickness * setup.spacing / (2 * setup.h()), " m"),
           step, {}, one);
     }
   }
 
-  /// Whether the wall goes on to all sides as far as the kernel reaches.
+  /// Whether the wall extends to all sides as far as the kernel reaches.
   static bool is_far_from_edges(const WallParticles& walls, const Vec3d& middle,
                                 const Vec3d& across, const SphSetup& setup) {
     const Vec3d any = std::abs(across.y) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0};
@@ -97,8 +98,8 @@ class ThinWalls {
 
  private:
   struct Place {
-    Vec3d one, other;  // [m] half a spacing before both surfaces, in the wall's own coordinates
-    double thickness;  // [m] to a tenth of a spacing
+    Vec3d one, other;  // [m] half a spacing before both surfaces, in the wall's coordinates
+    double thickness;  // [m] accurate to a tenth of a spacing
     std::size_t wall;
   };
   std::vector<Place> places_;

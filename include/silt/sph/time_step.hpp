@@ -14,8 +14,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Takes what an SphCore knows dt [s] further: liquid, walls with densities of their own, bodies.
-/// The rates are those of the start.
+/// Advances an SphCore by dt [s]: liquid, walls with their own densities, bodies. The rates are
+/// those of the start.
 template <class Core>
 class SphStep {
   using Row = SphRow;
@@ -89,11 +89,15 @@ class SphStep {
   static constexpr bool averaged = Core::Grains::averaged;
   static constexpr double longest_shift = 0.05;  // [-] of the spacing
 
-  /// A particle with few neighbours bears no tension: its density, which they alone tell, would run
-  /// away, in spray to less than nothing. Where div r is below 0.4 of that inside, of which a flat
-  /// surface has more than half. And it bears no pressure for long: what spray was compressed by
-  /// goes in `span` [s] (volume.hpp), at the end of a step, so that the books know it. Both are
-  /// known where fullness is.
+  /// Removes tension at a particle with few neighbours, and pressure in spray.
+  ///
+  /// Tension: the density of such a particle depends only on its few neighbours and would drift, in
+  /// spray below zero. Applied where div r is below 0.4 of its value inside; a flat surface has
+  /// more than half. Pressure: see sph_spray_loss (volume.hpp). It acts over `span` [s], once a
+  /// step and at its end, where the energy ledger accounts for it.
+  ///
+  /// Both need the fullness of the kernel, which is known with shifting, UnresolvedGrains or
+  /// RestoredVolume.
   double held(double density, [[maybe_unused]] const SphRates& rate, [[maybe_unused]] std::size_t k,
               [[maybe_unused]] double span) const {
     if constexpr (Core::Book::kept) core_.book.unheld[k] = density;
@@ -108,7 +112,7 @@ class SphStep {
     }
     return density;
   }
-  /// update(row, its particle, that at the start, rates) of each particle of the liquid.
+  /// update(row, its particle, its state at the start, rates) for each liquid particle.
   template <class Update>
   void for_liquid(const Update& update) {
     auto& of = core_.columns;
@@ -118,7 +122,7 @@ class SphStep {
         if (of.label[k] < SphColumns::of_openings) update(k, of.rows[k], of.start[k], of.rates[k]);
     });
   }
-  /// The densities of walls and bodies that have their own.
+  /// Densities of walls and bodies that have their own.
   template <class Update>
   void for_walls(const Update& update) {
     if constexpr (!Core::Walls::mirrored) {
@@ -154,7 +158,7 @@ class SphStep {
     }
     return {0, 0, 0};
   }
-  /// Of shifts by the speeds of these rows.
+  /// Counts the shifts with the speeds of these rows.
   void book_shifts([[maybe_unused]] const AlignedVector<Row>& of) {
     if constexpr (Core::Book::kept)
       sph_book_shifts(core_, [&](std::size_t k) {

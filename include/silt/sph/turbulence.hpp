@@ -15,23 +15,25 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The liquid's own viscosity, and that of eddies smaller than its particles (SPS):
+/// Viscosity of the liquid and of eddies smaller than its particles (sub-particle scale, SPS):
 ///
 ///   tau/rho = 2 nu_t (S - tr S/3 I) - 2/3 C_I D^2 |S|^2 I,  nu_t = (C_s D)^2 |S|,
 ///   |S| = sqrt(2 S:S),  S from grad v = sum V_b (v_b - v_a) grad W,  D the spacing
 ///   d v_a/dt += sum m_b (tau_a/rho_a^2 + tau_b/rho_b^2).grad W
 ///
-/// with the liquid's tau for what is solid, pair by pair (0 there, as in other codes, leaves walls
-/// half of their shear), beside LaminarViscosity's terms. It takes two more sums over all pairs.
+/// with tau of the liquid for solids, pair by pair (0 there, as in other codes, loses half of the
+/// wall shear), in addition to the terms of LaminarViscosity. It needs two more sums over all
+/// pairs.
 ///
-/// Source: R. A. Dalrymple, B. D. Rogers, Coast. Eng. 53 (2006) 141, constants of it (recalled).
+/// Source: R. A. Dalrymple, B. D. Rogers, Coast. Eng. 53 (2006) 141, with their constants
+///         (recalled).
 /// Tests:  tests/sph/turbulence.cpp.
-/// Valid:  as LaminarViscosity, where eddies are larger than a spacing.
+/// Valid:  as LaminarViscosity, for eddies larger than a spacing.
 /// Units:  SI.
 /// Errors: InputError naming field, value, unit and allowed range.
 struct SpsTurbulence {
   double kinematic = 0;       // [m2/s] of the liquid
-  double alpha = 0.02;        // [-] of ArtificialViscosity, beside it
+  double alpha = 0.02;        // [-] of an additional ArtificialViscosity
   double smagorinsky = 0.12;  // [-] C_s
   double isotropic = 0.0066;  // [-] C_I
 
@@ -52,7 +54,7 @@ struct SpsTurbulence {
 
 namespace detail {
 
-/// The sums of SpsTurbulence, of a pack of particles at a time, in double.
+/// Sums of SpsTurbulence for a pack of particles at a time, in double precision.
 template <class Kernel, class Arch = DefaultArch>
 class SpsSums {
  public:
@@ -97,7 +99,7 @@ class SpsSums {
       }
     }
   }
-  /// Adds the accelerations of a pack, of liquid or not, by the stresses of all.
+  /// Adds the accelerations of a pack, liquid or not, from the stresses of all.
   void accelerate(std::size_t pack, std::size_t width, std::span<const SphRow> rows,
                   std::span<const double> volume, std::span<const SphStress> stress,
                   const ClusterLists& lists, std::span<SphRates> out, bool liquid) const {
@@ -142,7 +144,7 @@ class SpsSums {
         out[first + k].acceleration += Vec3d{of[0][k], of[1][k], of[2][k]};
     }
   }
-  /// Of a rate of strain [1/s].
+  /// From a rate of strain [1/s].
   SphStress stress(const SphStress& S) const {
     const double trace = (S.xx + S.yy + S.zz) / 3;
     const double square = 2 * (S.xx * S.xx + S.yy * S.yy + S.zz * S.zz) +

@@ -25,7 +25,7 @@ namespace silt::inline SILT_TARGET {
 /// Settings of UnresolvedGrains.
 struct UnresolvedGrainsSetup {
   double viscosity = 0;        // [Pa s] of the liquid, for the drag law
-  double least_voidage = 0.3;  // [-] beside a particle of the liquid; what it leaves out is counted
+  double least_voidage = 0.3;  // [-] at a liquid particle; the clipped volume is counted
   double resolved_from = 1.5;  // [-] spacings: spheres and bodies of at least this radius are
                                // resolved by particles of their own
   void check() const {
@@ -42,29 +42,29 @@ template <class Drag, class... Forces>
 class AveragedGrains;
 }
 
-/// Grains that are too small to be resolved by particles of the liquid: drag law and voidage, as
-/// the couplings with a mesh have them (docs/fluid.md), with particles of the liquid in the place
-/// of cells.
+/// Unresolved coupling with grains that are smaller than the liquid's particles: drag law and void
+/// fraction as in the couplings with a mesh (docs/fluid.md), with liquid particles in place of
+/// cells.
 ///
 ///   silt::Sph water{liquid, setup, silt::UnresolvedGrains{silt::DiFelice{}, {.viscosity = 1e-3}}};
 ///
-/// Grain p has weights w_pa = V_a W(r_pa)/sum on the particles a of the liquid, with the liquid's
-/// own kernel. With these its volume and forces are spread to the liquid, and velocity, voidage and
-/// slope of the pressure are taken from it: what grains get the liquid gives, to rounding.
+/// Grain p has weights w_pa = V_a W(r_pa)/sum on the liquid particles a, with the liquid's kernel.
+/// They are used to distribute its volume and forces to the liquid, and to interpolate velocity,
+/// void fraction and pressure gradient. The exchange is conservative to rounding.
 ///
-///   eps_a = V/(V + sum_p w_pa V_p),  V = m_a/rho_a                                    voidage
+///   eps_a = V/(V + sum_p w_pa V_p),  V = m_a/rho_a                              void fraction
 ///   d v_a/dt = (pairs, with volumes m/(eps rho))/eps + g - (drag and pressure on grains)/m_a
 ///   F_p = V_p(-grad P + div tau) + drag(eps, slip)
 ///
-/// rho is the liquid's own density. At the free surface a grain takes part by
-/// f = (n - 0.2)/0.3, from 0 to 1, with n = sum V W of liquid and walls: wholly where its centre is
-/// below the surface, not at all from some half an h above it. Its weights then have the sum f, and
-/// it feels f F.
+/// rho is the density of the pure liquid. At the free surface a grain is coupled by the factor f =
+/// (n - 0.2)/0.3, limited to 0 to 1, with n = sum V W of liquid and walls. f is 1 if its centre is
+/// below the surface, and 0 from about h/2 above it. Its weights then sum to f, and the force on it
+/// is f F.
 ///
 /// Source: M. Robinson, M. Ramaioli, S. Luding, Int. J. Multiphase Flow 59 (2014) 121 (recalled),
-///   in the discrete form above, which is ours.
-/// Valid:  for grains below a spacing or so; a dense bed's drag law as said in its header.
-/// Errors: InputError for settings; Error where grains are too light for their number.
+///         in the discrete form above, which is silt's own.
+/// Valid:  grains smaller than about a spacing; dense beds: as the drag law.
+/// Errors: InputError for settings; Error if grains are too light for their number.
 /// Tests:  tests/sph/grains.cpp.
 /// Units:  SI.
 template <class Drag, class... Forces>
@@ -85,17 +85,18 @@ struct UnresolvedGrains {
 
 namespace detail {
 
-/// What an Sph with UnresolvedGrains has of them: which particles they are, their weights on rows
-/// of the liquid, and the exchange.
+/// Unresolved grains of an Sph: the particles, their weights on rows of the liquid, and the
+/// exchange.
 template <class Drag, class... Forces>
 class AveragedGrains {
  public:
   using Exchange = ParticleExchange<Drag, Forces...>;
-  static_assert(!Exchange::follows && !Exchange::needs_curl && !Exchange::has_added_mass &&
-                    !Exchange::has_history && !Exchange::sees_forms,
-                "UnresolvedGrains knows no derivatives of the liquid's velocity and no forms of "
-                "bodies, and holds forces over a step: leave lift, virtual mass, histories, drag "
-                "laws of forms and FollowedDrag out");
+  static_assert(
+      !Exchange::follows && !Exchange::needs_curl && !Exchange::has_added_mass &&
+          !Exchange::has_history && !Exchange::sees_forms,
+      "UnresolvedGrains has no derivatives of the liquid's velocity and no forms of "
+      "bodies, and forces are constant over a step: leave lift, virtual mass, histories, drag "
+      "laws of forms and FollowedDrag out");
 
   explicit AveragedGrains(const UnresolvedGrains<Drag, Forces...>& of)
       : settings(of.settings),
@@ -103,14 +104,14 @@ class AveragedGrains {
                              of.forces)) {}
 
   UnresolvedGrainsSetup settings;
-  std::vector<std::size_t> number;  // among the particles that the liquid was told of
+  std::vector<std::size_t> number;  // among the particles passed to the liquid
   std::vector<Vec3d> place;         // [m] of each
   std::vector<Vec3d> force;         // [N] of the last step
   CoupledStep last;
   FluidClosure closure;
 
-  /// Picks those out of `among` that are too small to be resolved and leaves the others there;
-  /// false if their number has changed.
+  /// Moves the particles of `among` that are too small to be resolved to this object; false if
+  /// their number has changed.
   bool pick_small(const CoupledParticles& of, const SphSetup& setup,
                   std::vector<std::size_t>& among) {
     const std::size_t before = number.size();
@@ -134,10 +135,10 @@ class AveragedGrains {
     for (std::size_t p = 0; p < place.size(); ++p) place[p] += dt * velocity_[p];
   }
 
-  /// Weights where grains and liquid are now, and the liquid's voidage; densities follow, so that
-  /// each particle keeps its mass in the same space, but for those at the free surface, which are
-  /// free to take more of it. `probe_row`: of each grain. The first time the particles of the
-  /// liquid have the mass that fits between the grains.
+  /// Computes weights for the present positions, and the liquid's void fraction. Densities follow:
+  /// each particle keeps its mass in the same space, except at the free surface, where it may take
+  /// more space. `probe_row`: of each grain. At the first call the liquid particles get the mass
+  /// that fits between the grains.
   template <class Kernel>
   void set(SphColumns& columns, const ClusterLists& lists, std::span<const std::uint32_t> probe_row,
            std::size_t width, double mass, double h, const Team& team) {
@@ -184,7 +185,7 @@ class AveragedGrains {
     if (last.solids > 0) last.volume_error = all / last.solids - 1;
   }
 
-  /// How grains answer to the coming step of dt [s], and what they do to each row of the liquid:
+  /// Response of grains to the coming step of dt [s], and their action on each row of the liquid:
   /// -coefficient u' + push. `rates`: accelerations of the liquid by its own pairs and gravity g.
   void find(const SphColumns& columns, const FluidProperties& fluid, const Vec3d& g, double dt,
             const Team& team) {
@@ -204,7 +205,7 @@ class AveragedGrains {
           const double eps = columns.voidage[s.row];
           at.voidage[p] += s.weight * eps;
           u += s.weight * r.velocity();
-          // Of the pressure without the liquid's own weight: what is left of -rho_bar du/dt.
+          // Pressure without the liquid's own weight: the rest of -rho_bar du/dt.
           slope -= (s.weight * eps * r.density) * (columns.rates[s.row].acceleration - g);
         }
         if (!shares_[p].empty()) slope -= fluid.density * g;
@@ -218,7 +219,7 @@ class AveragedGrains {
       throw Error(
           text("Sph: grains are so light, or so close, that the liquid's answer to them grows ",
                exchange_.gain(),
-               " times a step; take a shorter step, or resolve them by a finer "
+               " times a step; use a shorter step, or resolve them by a finer "
                "spacing"));
     exchange_.give(of, dt, false);
     coefficient.assign(rows, 0), push.assign(rows, {0, 0, 0});
@@ -240,7 +241,7 @@ class AveragedGrains {
   std::vector<double> coefficient;  // [kg/s] of each row
   std::vector<Vec3d> push;          // [N]
 
-  /// After the liquid's step, in which its rows got their new velocities: the forces on grains.
+  /// After the step of the liquid, with the new velocities of its rows: forces on grains.
   void give_back(const SphColumns& columns, const Team& team) {
     const std::size_t n = place.size();
     team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
@@ -266,7 +267,7 @@ class AveragedGrains {
     closure.add(last);
   }
 
-  /// [m/s] of a grain, as far as it is known.
+  /// [m/s] of a grain, if known.
   double speed(std::size_t p) const { return p < velocity_.size() ? norm(velocity_[p]) : 0; }
 
  private:
@@ -288,7 +289,7 @@ class AveragedGrains {
   static void put(ParticleColumns& to, std::size_t p, const Vec3d& v) {
     to[0][p] = v.x, to[1][p] = v.y, to[2][p] = v.z;
   }
-  /// [m3/kg] Volume with the grains around it, of a particle of mass 1.
+  /// [m3/kg] Volume including grains, per mass of a particle.
   static double space(const SphColumns& columns, std::size_t k) {
     return columns.share_of(k) / (columns.voidage_of(k) * columns.rows[k].density);
   }
@@ -296,7 +297,7 @@ class AveragedGrains {
   void find_weights(const SphColumns& columns, const ClusterLists& lists,
                     std::span<const std::uint32_t> probe_row, std::size_t width, double mass,
                     double h, const Team& team) {
-    constexpr double none = 0.2, whole = 0.5;  // [-] of a kernel that is full
+    constexpr double none = 0.2, whole = 0.5;  // [-] for a full kernel
     shares_.resize(place.size()), part_.resize(place.size());
     const double normalisation = Kernel::normalisation(lists.dimensions, h);
     team.for_ranges(place.size(), [&](std::size_t, std::size_t from, std::size_t to) {
@@ -316,14 +317,14 @@ class AveragedGrains {
           if (const double w = weight(entry); w > 0) shares.push_back({entry.row(), w}), seen += w;
         for (const auto entry : lists.walls(row / width)) full += weight(entry);
         part_[p] = std::clamp((seen + full - none) / (whole - none), 0.0, 1.0);
-        // Beside walls alone there is no liquid.
+        // Next to walls alone there is no liquid.
         part_[p] *= std::min(1.0, seen / (0.1 * none));
         if (!(part_[p] > 0)) shares.clear();
         for (Share& s : shares) s.weight /= seen;
       }
     });
   }
-  /// The weights times f by rows, for each of which grains stand in their order.
+  /// Weights times f by rows; grains of a row are in order.
   void turn_round(std::size_t rows) {
     begin_.assign(rows + 1, 0);
     for (const auto& shares : shares_)
@@ -346,7 +347,7 @@ class AveragedGrains {
   std::vector<Vec3d> velocity_, acceleration_, spin_;
   std::vector<double> radius_, volume_, mass_;
   std::vector<std::vector<Share>> shares_;  // of each grain, with a sum of 1
-  std::vector<double> part_;                // [-] f, by which it takes part
+  std::vector<double> part_;                // [-] coupling factor f
   std::vector<std::size_t> begin_;
   std::vector<Part> parts_;
 };

@@ -21,23 +21,23 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// How an SphCore keeps its rows and lists up. Lists hold until a particle has gone farther than
-/// its slack, which is the larger the faster it is: the few fast ones, drops and splashes, would
-/// else have all lists made anew every other step.
+/// Maintenance of rows and lists of an SphCore. Lists are valid until a particle has moved by more
+/// than its slack, which increases with its speed. Otherwise the few fast particles of drops and
+/// splashes would force new lists every second step.
 /// @{
 
-/// Whether solids that no liquid is near have no rows: where rows are their only state, they keep
-/// them, and grains ask for all that is solid around them.
+/// Whether solids far from liquid have no rows. Solids whose only state is in their rows keep them,
+/// and grains need all solids around them.
 template <class Core>
 constexpr bool sph_chooses_solids = Core::Walls::mirrored && !Core::Grains::averaged;
 
-/// The slack [m] of something as fast as `speed`, among liquid of a `mean` speed [m/s].
+/// Slack [m] of a particle with this `speed`, in liquid with the mean speed `mean` [m/s].
 template <class Core>
 double sph_slack(const Core& core, double speed, double mean) {
   const double slow = 1e-3 * core.liquid.sound_speed;
   return core.setup.spacing * std::min(0.04 + 0.08 * speed / (mean + slow), 0.4);
 }
-/// [m/s] Mean square root of all, and the largest.
+/// [m/s] Root mean square of all, and the largest.
 template <class Core>
 std::pair<double, double> sph_speeds(const Core& core, const Team& team) {
   struct Sum {
@@ -59,7 +59,7 @@ std::pair<double, double> sph_speeds(const Core& core, const Team& team) {
   return {std::sqrt(all.sum / std::max(all.count, 1.0)), std::sqrt(all.most)};
 }
 
-/// Whether no particle has gone farther than its slack.
+/// Whether no particle has moved by more than its slack.
 template <class Core>
 bool sph_lists_hold(const Core& core, const Team& team) {
   const auto& of = core.columns;
@@ -88,7 +88,7 @@ const std::vector<std::uint32_t>& sph_order(Core& core, std::span<const SphRow> 
       },
       team);
 }
-/// The lists of columns that stand in order, as they were at `then`.
+/// Lists of sorted columns, with the positions `then`.
 template <class Core>
 void sph_make_lists(Core& core, std::span<const SphRow> then, std::span<const double> slack,
                     const Team& team) {
@@ -98,21 +98,21 @@ void sph_make_lists(Core& core, std::span<const SphRow> then, std::span<const do
   core.lists.find(then, 2 * core.setup.h(), team, slack);
   core.fresh = true;
 }
-/// Those of a state.
+/// Lists of a state.
 template <class Core>
 void sph_restore_lists(Core& core, std::span<const SphRow> then, std::span<const double> slack) {
   const Team team;
   auto& of = core.columns;
   const auto& order = sph_order(core, then, team);
-  require(order.size() == of.size(), "Sph: the particles of a state stand in no order");
+  require(order.size() == of.size(), "Sph: the particles of a state are not in a valid order");
   for (std::size_t k = 0; k < order.size(); ++k)
     require(order[k] == k || of.label[k] == ClusterLists::none,
-            "Sph: the particles of a state stand in no order");
+            "Sph: the particles of a state are not in a valid order");
   make_room(of.volume, of.size()), make_room(of.rates, of.size());
   sph_make_lists(core, then, slack, team);
 }
 
-/// Brings the liquid that went round into the region, and takes out what has left it.
+/// Wraps liquid in periodic directions, and removes what has left the region.
 template <class Core>
 void sph_wrap_liquid(Core& core) {
   auto& of = core.columns;
@@ -126,7 +126,7 @@ void sph_wrap_liquid(Core& core) {
       continue;
     }
     sph_check(core, r);
-    // In the middle of a step its start goes along.
+    // During a step its start is wrapped too.
     const Vec3d way = repeats.wrapped(r.position()) - r.position();
     SphRow& start = of.start[k];
     r.place(r.position() + way), start.place(start.position() + way);
@@ -134,7 +134,7 @@ void sph_wrap_liquid(Core& core) {
     if (sph_is_out(core, r.position())) sph_goes(core, k, false), of.take_out(k), ++core.left;
   }
 }
-/// Brings the particles into packs, with lists.
+/// Sorts the particles into packs, and builds lists.
 template <class Core>
 void sph_renew(Core& core, const Team& team) {
   auto& of = core.columns;

@@ -11,34 +11,34 @@
 namespace silt::inline SILT_TARGET {
 
 namespace detail {
-/// [-] 1 where neighbours stand all around, 0 where on one side alone, as at a free surface, a wall
-/// or both: a flat surface has 0.75 where a kernel is half full, 0.57 where it is to 0.7, and spray
-/// below 0.05. `slope` [1/m] = sum V grad W.
+/// [-] 1 for neighbours all around, 0 for neighbours on one side only, as at a free surface or at a
+/// wall. h |slope| is 0.75 at a flat surface with a half-full kernel, 0.57 at 0.7, and below 0.05
+/// in spray. `slope` [1/m] = sum V grad W.
 inline double sph_is_surrounded(const Vec3d& slope, double h) {
   return std::clamp(2 - 10 * h * norm(slope), 0.0, 1.0);
 }
-/// [-] 0 where a kernel is half full or less, 1 from 0.7 on. `full` is 1 where all space is filled.
+/// [-] 0 for a kernel that is half full or less, 1 from 0.7 on. `full` = 1: space is filled.
 inline double sph_is_packed(double full) { return std::clamp(5 * full - 2.5, 0.0, 1.0); }
 
-/// [1/s] at which the density of spray falls to that of rest: particles that neighbours surround,
-/// but with voids between. As they come together the voids close, and nothing is compressed; the
-/// continuity equation alone raises the density as if all space were liquid, and spray that falls
-/// on a floor would stay above it for good, held up by the pressure of a few per cent of density.
+/// [1/s] Rate at which the density of spray relaxes to that at rest. Spray: particles that are
+/// surrounded by neighbours with voids in between. When they approach, voids close and nothing is
+/// compressed, but the continuity equation raises the density as in a continuous liquid. The
+/// pressure of a few per cent of density would hold spray above a floor permanently.
 ///
 ///   0.02 c/h (1 - n) f (1 - p),  f: is surrounded, p: is packed
 ///
-/// That is slow beside sound, so that drops rebound as before, and fast beside a fall.
+/// Slow compared with sound, so that drops rebound as before; fast compared with free fall.
 inline double sph_spray_loss(const Vec3d& slope, double full, double h, double sound) {
   return 0.02 * sound / h * (1 - full) * sph_is_surrounded(slope, h) * (1 - sph_is_packed(full));
 }
 }  // namespace detail
 
-/// @name Volume: whether densities are kept to the room that particles take
+/// @name Volume: whether densities are tied to the space of the particles
 /// @{
 
-/// Densities follow the continuity equation alone.
+/// Densities follow only the continuity equation.
 /// Source: none: the continuity equation of Sph.
-/// Valid:  liquids that do not break up and join again.
+/// Valid:  liquids that do not break up and merge again.
 /// Units:  none.
 /// Errors: none.
 /// Tests:  tests/sph/volume.cpp.
@@ -49,23 +49,23 @@ struct DriftingVolume {
   void check() const {}
 };
 
-/// Densities go back to those of the room that particles take. The continuity equation alone
-/// forgets it where a liquid breaks up and joins again: drops have the density of the liquid as
-/// they fall in, and stay too far apart. A liquid that was poured into a packed bed takes a third
-/// more room there than it has.
+/// Densities relax to those of the space of the particles. The continuity equation alone loses this
+/// relation where a liquid breaks up and merges again: drops keep their density on impact, and
+/// their particles stay too far apart. A liquid poured into a packed bed then takes a third more
+/// space than its volume.
 ///
 ///   d rho_a/dt = ... + rate c/h rho_a (n_a - 1) f,  n_a = -sum V_b r.grad W over that of a lattice
 ///
-/// n is 1 where volumes V = m/rho, of liquid and of what is solid, fill space. At a free surface,
-/// by how far neighbours stand on one side alone, and of drops f is 0:
+/// n is 1 where the volumes V = m/rho of liquid and solids fill space. f is 0 at a free surface,
+/// detected by one-sided neighbours, and in drops:
 ///
 ///   f = (2 - 10 h |sum V_b grad W|) (5 n_a - 2.5) 1000 (rho_a/rho_0 - 1), each from 0 to 1
 ///
-/// The last factor leaves alone what is under no pressure: liquid that stands too far apart is not
-/// drawn together, but sinks by its weight. With a tension it breaks up into clumps.
+/// The last factor excludes liquid without pressure: liquid that is too dilute is not contracted,
+/// but settles by its weight. With a tension it would form clumps.
 ///
-/// Source: ours.
-/// Valid:  with MirroredWalls; DynamicWalls keep the liquid off whatever its volume.
+/// Source: silt's own.
+/// Valid:  with MirroredWalls; DynamicWalls keep the liquid at a distance in any case.
 /// Tests:  tests/sph/volume.cpp.
 /// Units:  SI.
 /// Errors: InputError naming field, value and allowed range.
@@ -79,7 +79,8 @@ struct RestoredVolume {
     require(std::isfinite(rate) && rate > 0 && rate <= 0.2, "RestoredVolume.rate = ", rate,
             " must be in (0, 0.2]; 0.02 is usual");
   }
-  /// [1/s] of the density, which is `rho` of that at rest; `slope` [1/m] = sum V grad W, `full` n.
+  /// [1/s] growth rate of the density; `rho` is that at rest; `slope` [1/m] = sum V grad W, `full`
+  /// n.
   double growth(const Vec3d& slope, double full, double rho, double h, double sound) const {
     const double pressed = std::clamp(1000 * (rho - 1), 0.0, 1.0);
     return rate * sound / h * (full - 1) * detail::sph_is_surrounded(slope, h) *

@@ -15,13 +15,13 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A wall as particles follow it: its surfaces, where they are and how they move.
+/// A wall for its particles: surfaces, pose and motion.
 struct WallPart {
   std::vector<Surface> surfaces;
   std::string name;
   Motion motion;  // of its own
   SurfaceVelocity belt;
-  const Wall* of;  // of a Simulation; null: its own
+  const Wall* of;  // wall of a Simulation; null: the Sph's own
   DrivenMotion driven{};
   Pose pose{}, last{}, next{}, first{}, listed{};
   double span = 1;
@@ -33,27 +33,27 @@ struct WallPart {
   }
   template <class S>
   static constexpr bool is_mesh = std::is_same_v<std::remove_cvref_t<S>, TriangleMesh>;
-  /// Closed meshes alone have a side behind them.
+  /// Only closed meshes have an inside.
   void check() const {
     for (const Surface& one : surfaces)
       visit_surface(one, [&](const auto& s) {
         if constexpr (is_mesh<decltype(s)>)
           require(s.is_closed(), "Sph: the mesh of wall ", in_quotes(name),
-                  " is not closed, so that it has no side behind it; close it, or use planes, "
+                  " is not closed and has no inside; close it, or use planes, "
                   "cylinders and cones");
       });
   }
-  /// To `time` [s]; velocities are those of `before` [s] until then.
+  /// Moves to `time` [s]; velocities are the means since `before` [s].
   void move_to(double time, double before) {
     if (!moves()) return;
     const auto at = [this](double t) {
       if (of == nullptr) return motion(t);
       return of->is_driven() ? driven.at(t) : of->pose_at(t);
     };
-    const double from = std::max(time - before, 0.0);  // motions need not be known before 0
+    const double from = std::max(time - before, 0.0);  // motions need not be defined before 0
     pose = at(time), last = at(from), next = at(from + before), span = before;
   }
-  /// [m/s] at a place in its own coordinates.
+  /// [m/s] at a point in its own coordinates.
   Vec3d velocity(const Vec3d& own) const {
     if (!moves()) return {0, 0, 0};
     return (1 / span) * (next.to_space(own) - last.to_space(own));
@@ -63,7 +63,7 @@ struct WallPart {
     nearest(x, &which);
     return which;
   }
-  /// The nearest of the surfaces to a place in space: distance and normal of that, which one.
+  /// Nearest surface to a point in space: distance, normal and index.
   SurfacePoint nearest(const Vec3d& x, std::size_t* which = nullptr) const {
     constexpr double far = std::numeric_limits<double>::infinity();
     SurfacePoint least{{0, 0, 0}, far, 0};
@@ -79,11 +79,11 @@ struct WallPart {
         if constexpr (!is_mesh<decltype(s)>)
           if (s.contacts(own, 1e300, &p) != 0) take(p, k);
       });
-    // Meshes last: of those the search ends at what is nearer already.
+    // Meshes last: their search ends at the distance found so far.
     for (std::size_t k = 0; k < surfaces.size(); ++k)
       visit_surface(surfaces[k], [&](const auto& s) {
         if constexpr (is_mesh<decltype(s)>) {
-          // Free is the side that the triangles' normals point to.
+          // The free side is that of the triangles' normals.
           if (s.contains(own) == (s.volume() > 0)) {
             SurfacePoint p = s.nearest_point(own);
             p.distance *= -1, p.normal = -1.0 * p.normal;

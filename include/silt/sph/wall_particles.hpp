@@ -22,8 +22,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The particles of walls: sites of the lattice that are behind surfaces by less than the kernel's
-/// support, each with its mirror image in the liquid, its ghost. They move with their wall.
+/// Particles of walls: lattice sites within the kernel's support behind surfaces, each with its
+/// mirror image in the liquid (ghost). They move with their wall.
 class WallParticles {
   using Part = WallPart;
 
@@ -34,7 +34,7 @@ class WallParticles {
         if constexpr (requires { s.check(); }) s.check();
       });
     require(setup.drive.index() == 0, "Sph: wall ", in_quotes(setup.name),
-            " has a drive, which a liquid alone does not move; add the wall to a Simulation that "
+            " has a drive, which needs a Simulation; add the wall to a Simulation that "
             "has the Sph as its fluid, or give it a motion");
     const Part part{surfaces.parts, setup.name, setup.motion, setup.surface_velocity, nullptr};
     part.check();
@@ -44,8 +44,8 @@ class WallParticles {
     walls_.back().first = walls_.back().pose;
     fresh_ = true;
   }
-  /// The walls of a Simulation, which it moves; they must stay where they are in memory. True if
-  /// there are others than before.
+  /// The walls of a Simulation, which moves them; they must not move in memory. True if walls were
+  /// added or removed.
   bool follow(const std::vector<Wall>& walls) {
     bool same = followed_ == walls.size();
     for (std::size_t w = 0; w < walls.size() && same; ++w)
@@ -55,7 +55,7 @@ class WallParticles {
               " deforms (set_mesh); walls of a liquid are rigid: move it by a motion or a drive");
     if (same) return false;
     require(followed_ == walls_.size(),
-            "Sph: it has walls of its own, and the Simulation has some too; add all of them to the "
+            "Sph: both the Sph and the Simulation have walls; add all of them to the "
             "Simulation");
     const bool restored = restored_.size() == walls.size() && !walls.empty();
     walls_.clear();
@@ -74,28 +74,28 @@ class WallParticles {
     fresh_ = true;
     return true;
   }
-  /// The lists were made with walls where they are now.
+  /// The lists were built with the present poses.
   void note_pose() {
     for (Part& w : walls_) w.listed = w.pose;
   }
-  /// [m] How far no particle has gone beyond since then: as far as a corner of the box around those
-  /// of its wall.
+  /// [m] Upper bound of the displacement since then: that of the corners of each wall's bounding
+  /// box.
   double way() const {
     return most_at_corners([](const Part& of, const Vec3d& x) {
       return norm(of.pose.to_space(x) - of.listed.to_space(x));
     });
   }
-  /// [m/s] that none is faster than.
+  /// [m/s] upper bound.
   double fastest() const {
     return most_at_corners([](const Part& of, const Vec3d& x) {
       return norm(of.next.to_space(x) - of.last.to_space(x)) / of.span;
     });
   }
-  /// Walls of its own, not of a Simulation.
+  /// Walls of the Sph itself, not of a Simulation.
   std::size_t own_walls() const { return walls_.size() - followed_; }
 
-  /// For a state: ten numbers a particle, and fourteen a wall, where it was as they were made, and
-  /// the lists.
+  /// For a state: ten numbers per particle, and fourteen per wall: poses when the particles were
+  /// made and when the lists were built.
   std::pair<std::vector<double>, std::vector<double>> state() const {
     std::pair<std::vector<double>, std::vector<double>> of;
     for (const Particle& p : particles_) {
@@ -111,7 +111,7 @@ class WallParticles {
       }
     return of;
   }
-  /// Those of a state. Walls of a Simulation are told later, by follow().
+  /// Restores a state. Walls of a Simulation are set later by follow().
   void restore(std::span<const double> particles, std::span<const double> poses) {
     const std::size_t n = particles.size() / 10, walls = poses.size() / 14;
     require(particles.size() == 10 * n && poses.size() == 14 * walls, "Sph: a state of walls has ",
@@ -149,7 +149,8 @@ class WallParticles {
     Vec3d normal{0, 0, 0};                                      // [-] towards the free side
     std::size_t wall = 0;
   };
-  /// The wall of the least distance: where x is behind several, that in which it lies deepest.
+  /// The wall of the smallest distance: for a point behind several walls, the one in which it is
+  /// deepest.
   enum class Which { All, AtRest };
   Nearest nearest(const Vec3d& x, Which which = Which::All) const {
     Nearest least;
@@ -161,10 +162,10 @@ class WallParticles {
     return least;
   }
   const std::string& name(std::size_t wall) const { return walls_[wall].name; }
-  /// A place from space to a wall's own coordinates, and back.
+  /// Transforms a point from space to a wall's own coordinates, and back.
   Vec3d to_wall(std::size_t wall, const Vec3d& x) const { return walls_[wall].pose.to_body(x); }
   Vec3d to_space(std::size_t wall, const Vec3d& x) const { return walls_[wall].pose.to_space(x); }
-  /// Calls visit(name, point, normal) for each plane of the walls, where it is now.
+  /// Calls visit(name, point, normal) for each plane of the walls, at its present pose.
   template <class Visit>
   void for_each_plane(const Visit& visit) const {
     for (const Part& wall : walls_)
@@ -174,8 +175,8 @@ class WallParticles {
                 normalised(wall.pose.rotate(plane->normal)));
   }
 
-  /// What is behind a wall at rest is of that wall, whatever moves there: where a piston draws back
-  /// the floor goes on. Where hold(x) is true there are none.
+  /// Sites behind a resting wall belong to it, for any moving wall: behind a retracting piston the
+  /// floor continues. No particles where hold(x) is true.
   template <class Hold>
   void make(const SphSetup& setup, const Hold& hold) {
     fresh_ = false;
@@ -204,7 +205,7 @@ class WallParticles {
   /// [m] In the wall's own coordinates.
   const Vec3d& own_place(std::size_t k) const { return particles_[k].at; }
   const Vec3d& own_ghost(std::size_t k) const { return particles_[k].ghost; }
-  /// Whether a particle goes as its wall does: it is no belt.
+  /// Whether a particle moves with its wall, i.e. is not on a belt.
   bool goes_along(std::size_t k) const {
     const Part& wall = walls_[particles_[k].wall];
     const SurfaceVelocity& belt = wall.of != nullptr ? wall.of->belt : wall.belt;
@@ -214,18 +215,18 @@ class WallParticles {
   Vec3d place(std::size_t k) const { return in_space(particles_[k], particles_[k].at); }
   Vec3d ghost(std::size_t k) const { return in_space(particles_[k], particles_[k].ghost); }
   std::size_t wall_of(std::size_t k) const { return particles_[k].wall; }
-  /// [m/s] of the wall's material half way between particle and ghost.
+  /// [m/s] of the wall's material halfway between particle and ghost.
   Vec3d velocity(std::size_t k) const {
     const Vec3d at = 0.5 * (particles_[k].at + particles_[k].ghost);
     return velocity_of(particles_[k].wall, at) + belt_velocity(k);
   }
-  /// [m/s] at a place in a wall's own coordinates.
+  /// [m/s] at a point in a wall's own coordinates.
   Vec3d velocity_of(std::size_t w, const Vec3d& own) const { return walls_[w].velocity(own); }
   /// ... at the particle.
   Vec3d own_velocity(std::size_t k) const {
     return velocity_of(particles_[k].wall, particles_[k].at) + belt_velocity(k);
   }
-  /// [m] of the surface in front of a particle.
+  /// [m] depth of a particle below the surface.
   double depth(std::size_t k) const { return 0.5 * norm(particles_[k].ghost - particles_[k].at); }
   bool any_moves() const {
     for (const Part& w : walls_)
@@ -240,7 +241,7 @@ class WallParticles {
       if (is_driven(w)) return true;
     return false;
   }
-  /// They go on from where they are, with their present velocities.
+  /// They continue from their present pose with their present velocities.
   void take_drives(double time) {
     for (std::size_t w = 0; w < walls_.size(); ++w)
       if (is_driven(w)) walls_[w].driven = DrivenMotion::of(*walls_[w].of, time);
@@ -248,7 +249,7 @@ class WallParticles {
   const Wall& wall(std::size_t w) const { return *walls_[w].of; }
   const DrivenMotion& driven(std::size_t w) const { return walls_[w].driven; }
   /// @}
-  /// To `time` [s]; velocities are those of the `span` [s] before.
+  /// Moves to `time` [s]; velocities are those of the `span` [s] before.
   void move_to(double time, double span) {
     for (Part& w : walls_) w.move_to(time, span);
   }
@@ -267,7 +268,7 @@ class WallParticles {
     }
     return most;
   }
-  /// A wall that stands in free space and between whose surfaces no site of the lattice lies.
+  /// Refuses a wall in free space that has no lattice site between its surfaces.
   void refuse_what_has_none(const SphSetup& setup) const {
     std::vector<char> has(walls_.size(), 0);
     for (const Particle& p : particles_) has[p.wall] = 1;
@@ -280,9 +281,9 @@ class WallParticles {
         if (w != here.wall && walls_[w].nearest(x).distance < here.distance + 1e-6 * s) return;
       throw InputError(text("Sph: wall ", in_quotes(walls_[here.wall].name), " near ", x,
                             " m is thinner than a spacing of ", s,
-                            " m and has no particles, so that liquid passes through it; make it "
+                            " m and has no particles; liquid passes through it; make it "
                             "thicker than 2 h = ",
-                            2 * setup.h(), " m, or take a smaller spacing"));
+                            2 * setup.h(), " m, or use a smaller spacing"));
     });
   }
   void find_boxes() {
@@ -310,7 +311,7 @@ class WallParticles {
     const Vec3d x = place(k), out = ghost(k) - x;
     return belt.at(x + 0.5 * out, norm(out) > 0 ? normalised(out) : Vec3d{0, 0, 0});
   }
-  /// A plane that slides along itself leaves its particles where they are: it has no end.
+  /// Particles of a plane that slides along itself do not move: the plane is infinite.
   Vec3d in_space(const Particle& p, const Vec3d& own) const {
     const Part& wall = walls_[p.wall];
     const Quaternion &now = wall.pose.rotation, &then = wall.first.rotation;
@@ -319,8 +320,9 @@ class WallParticles {
     const Vec3d way = wall.pose.translation - wall.first.translation;
     return wall.first.to_space(own) + dot(way, p.normal) * p.normal;
   }
-  /// Walls of parallel planes alone may slide along themselves; but of a tank that is shaken as a
-  /// whole - others go the same way - particles go along, or it would be open at its edges.
+  /// Only walls of parallel planes may slide along themselves. In a tank that moves as a whole
+  /// (other walls move in the same way) particles move with it, otherwise it would open at its
+  /// edges.
   void find_belts() {
     const auto across = [](const Surface& one) {
       const auto* const plane = std::get_if<Plane>(&one);
@@ -339,7 +341,7 @@ class WallParticles {
     if (&a == &b) return true;
     const auto prescribed = [](const Part& w) { return w.moves() && !w.is_driven(); };
     if (!prescribed(a) || !prescribed(b)) return false;
-    // Whether two functions are the same, their values tell.
+    // Two functions are compared by their values.
     const auto at = [](const Part& w, double t) {
       return w.of != nullptr ? w.of->pose_at(t) : w.motion(t);
     };
@@ -348,7 +350,7 @@ class WallParticles {
     return true;
   }
 
-  /// The nearest point that is behind no wall, by steps to one surface after the other.
+  /// Nearest point that is behind no wall, by steps to one surface after the other.
   Vec3d to_surface(Vec3d x, double enough, Which which) const {
     for (int n = 0; n < 50; ++n) {
       const Nearest deepest = nearest(x, which);
@@ -360,10 +362,10 @@ class WallParticles {
 
   std::vector<Part> walls_;
   std::vector<Particle> particles_;
-  std::vector<Box> boxes_;    // around those of each wall, with their images
+  std::vector<Box> boxes_;    // around the particles of each wall, with their images
   std::size_t followed_ = 0;  // walls of a Simulation
   std::vector<std::pair<Pose, Pose>>
-      restored_;  // first and listed, of walls of a Simulation that have not been told yet
+      restored_;  // first and number, of walls of a Simulation that are not set yet
   bool fresh_ = true;
 };
 

@@ -25,7 +25,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Finds parameters of a scene with which it gives what was measured.
+/// Calibration: finds parameters of a scene that reproduce measurements.
 ///
 ///   silt::Calibration cal{{.folder = "out/drum"},
 ///                         {{.name = "restitution [-]", .least = 0.3, .most = 0.9},
@@ -36,24 +36,25 @@ namespace silt::inline SILT_TARGET {
 ///   });
 ///   cal.report();
 ///
-/// A maximin Latin hypercube begins. Then a Gaussian process is fitted to each target
+/// The first runs are a maximin Latin hypercube. Then a Gaussian process is fitted to each target
 /// (study/gaussian_process.hpp), and the scene is run where the expected improvement of chi^2, the
-/// sum of ((output - measured)/error)^2 over all targets, is largest. It stops when that is small,
-/// when proposals have brought nothing, or at the budget. Recommended is where the posterior, of
-/// which all values in the bounds are alike beforehand and to which the surrogates' own doubt is
-/// added, is largest; intervals are from a sample of it.
+/// sum of ((output - measured)/error)^2 over all targets, is largest. The calibration stops when
+/// this improvement is small, when proposals have not improved the result, or at the budget.
+/// Recommended is the maximum of the posterior, with a uniform prior within the bounds and the
+/// surrogates' uncertainty included; intervals come from a sample of the posterior.
 ///
-/// A run that throws, or gives what is not finite, is recorded as failed, and the places around it
-/// are proposed less. Every run is in calibration.csv before the next begins: a program that was
-/// killed goes on from there, with the proposals that it would have made (all follow from the rows
-/// and the seed). Runs are made one after the other.
+/// A run that throws, or returns values that are not finite, is recorded as failed, and points near
+/// it are proposed less often. Every run is written to calibration.csv before the next begins. A
+/// program that was killed continues from there with the same proposals as without the interruption
+/// (all follow from the rows and the seed). Runs are sequential.
 ///
-/// Errors: InputError for a calibration that makes no sense, a scene that returns another number
-///         of values, a folder of another calibration, or when too few runs succeed; FileError.
+/// Errors: InputError for invalid settings, a scene that returns another number of values, a folder
+///         of another calibration, or too few successful runs; FileError.
 /// Tests:  tests/study/calibrate.cpp, tests/study/calibrate_statistics.cpp.
 class Calibration {
  public:
-  /// Outputs in the order of the targets, of parameters and a seed for whatever is random.
+  /// Outputs in the order of the targets, as a function of the parameters and a seed for random
+  /// parts.
   using Scene = std::function<std::vector<double>(const std::vector<double>&, std::uint64_t)>;
 
   Calibration(CalibrationOptions options, std::vector<CalibrationParameter> parameters,
@@ -103,8 +104,8 @@ class Calibration {
   const CalibrationResult& result() const { return result_; }
   std::string table() const { return detail::calibration_table(result_); }
 
-  /// Writes table.txt, calibration.json, posterior.csv and, if Python with matplotlib is there,
-  /// calibration.png into the folder. Returns a sentence on what it wrote.
+  /// Writes table.txt, calibration.json, posterior.csv and, if Python with matplotlib is available,
+  /// calibration.png into the folder. Returns a sentence on the files written.
   std::string write() const {
     const auto& folder = options_.folder;
     require(!result_.runs.empty(), "Calibration::write: there is nothing to write before run()");
@@ -115,11 +116,12 @@ class Calibration {
     detail::write_whole(folder + "/posterior.csv", detail::posterior_csv(result_));
     const auto script = detail::calibration_script();
     const bool drawn = detail::draw_study(folder, script, "calibration.png");
-    return text("Look at ", folder, ": ", drawn ? "calibration.png, " : "",
-                "table.txt, calibration.csv, calibration.json, posterior.csv",
-                drawn ? "." : text("; no picture: python3 ", script, " ", folder, " tells why."));
+    return text(
+        "Look at ", folder, ": ", drawn ? "calibration.png, " : "",
+        "table.txt, calibration.csv, calibration.json, posterior.csv",
+        drawn ? "." : text("; no picture: python3 ", script, " ", folder, " gives the reason."));
   }
-  /// Prints the table and, where there is a folder, writes the files.
+  /// Prints the table and, if there is a folder, writes the files.
   void report() const {
     std::printf("%s", table().c_str());
     if (!options_.folder.empty()) std::printf("%s\n", write().c_str());
@@ -133,13 +135,13 @@ class Calibration {
   struct Point {
     std::string kind;
     Vector u;
-    std::vector<std::size_t> runs = {};  // numbers of those that ended well
+    std::vector<std::size_t> runs = {};  // numbers of the successful ones
     std::size_t failures = 0;
     std::vector<double> means = {};                         // of the outputs
     double chi2 = std::numeric_limits<double>::infinity();  // of the means
   };
 
-  /// The next run that an earlier program has made; null if there is none.
+  /// The next recorded run of an earlier program; null if there is none.
   const CalibrationRun* recorded() const {
     const std::size_t number = result_.runs.size();
     return number < journal_->earlier().size() ? &journal_->earlier()[number] : nullptr;
@@ -162,7 +164,7 @@ class Calibration {
       } else {
         for (std::size_t k = 0; k < parameters_.size(); ++k)
           run.parameters.push_back(parameters_[k].value(point.u[static_cast<Eigen::Index>(k)]));
-        point.u = shares(run.parameters);  // the same bits as when they are read again
+        point.u = shares(run.parameters);  // the same bits as after reading
         make(run);
         journal_->add(result_.runs.size(), run);
         if (options_.watch) options_.watch(run);
@@ -239,7 +241,7 @@ class Calibration {
             " points have runs that succeed, too few for a surrogate, and the budget of ",
             options_.budget, " runs is spent; the first failure: ", first);
   }
-  /// Of 200 random points the one that is farthest from all that were run.
+  /// Of 200 random points, the one farthest from all previous points.
   Vector farthest_point() const {
     Random random = random_of(2);
     std::pair<double, Vector> best{-1, {}};
@@ -252,13 +254,13 @@ class Calibration {
     }
     return best.second;
   }
-  /// Random numbers that follow from the seed and the number of points.
+  /// Random numbers that depend on the seed and the number of points.
   Random random_of(std::uint64_t purpose) const {
     return Random(Random({options_.seed, purpose * 0x10000000 + points_.size()}).bits());
   }
 
-  /// Surrogates of all targets by all points so far: lengths go on from those before, but for a
-  /// search over all whenever the points are a quarter more.
+  /// Fits the surrogates of all targets to all points so far. Lengths start from the previous ones;
+  /// a global search is made whenever the number of points has grown by a quarter.
   void fit() {
     const auto n = static_cast<Eigen::Index>(successes());
     const auto d = static_cast<Eigen::Index>(parameters_.size());
@@ -291,7 +293,7 @@ class Calibration {
     models_.emplace_back(std::move(now), wanted, detail::Failures(all, failed));
   }
 
-  /// The points with the least misfit by the surrogates, and the least of it.
+  /// Points with the smallest misfit by the surrogates, and this misfit.
   std::pair<std::vector<Vector>, double> best_points() const {
     std::vector<std::pair<double, Vector>> all;
     for (const auto& p : points_)
@@ -304,9 +306,9 @@ class Calibration {
     return {out, all[0].first};
   }
 
-  /// Where to run next; nothing if it is time to stop.
+  /// The next point to run; empty when it is time to stop.
   std::optional<Vector> propose() {
-    // The gain that still counts, over the best so far.
+    // Significant gain over the best result so far.
     const auto counts = [&](double best) { return options_.least_gain * std::max(best, 1.0); };
     double best = std::numeric_limits<double>::infinity();
     std::size_t idle = 0;
@@ -371,7 +373,7 @@ class Calibration {
   CalibrationResult result_;
   std::vector<Point> points_;
   std::vector<detail::Surrogate> models_;  // none or one
-  std::size_t searched_ = 0;               // points at the last search over all lengths
+  std::size_t searched_ = 0;               // points at the last global search of lengths
   const Scene* scene_ = nullptr;
   detail::CalibrationJournal* journal_ = nullptr;
 };

@@ -13,24 +13,24 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// How a calibration goes about it.
+/// Options of a calibration.
 struct CalibrationOptions {
-  std::string folder = {};   // of its files, from which it goes on; empty: none
-  std::size_t design = 0;    // [-] points to begin with; 0: 4 for each parameter and 2
-  std::size_t budget = 60;   // [-] runs of the scene, of all kinds together
-  std::size_t repeats = 1;   // [-] runs at a point, with other seeds
+  std::string folder = {};   // of its files, from which it continues; empty: none
+  std::size_t design = 0;    // [-] initial points; 0: 4 for each parameter and 2
+  std::size_t budget = 60;   // [-] total number of runs of the scene
+  std::size_t repeats = 1;   // [-] runs per point, with different seeds
   std::uint64_t seed = 1;    // of everything random
-  double least_gain = 0.01;  // [-] stop where less of chi^2, or of 1 if that is more, is expected
+  double least_gain = 0.01;  // [-] stop below this expected gain, relative to max(chi^2, 1)
   std::size_t patience = 5;  // [-] stop after as many proposals without such a gain; 0: never
-  bool confirm = true;       // run the scene at the recommended values
+  bool confirm = true;       // run the scene with the recommended values
   double credible = 0.95;    // [-] level of the intervals
-  /// Called after each run that this program has made.
+  /// Called after each run made by this program.
   std::function<void(const CalibrationRun&)> watch = {};
 };
 
 namespace detail {
 
-/// Refuses a calibration that makes no sense.
+/// Refuses invalid settings.
 inline void check_calibration(const CalibrationOptions& options,
                               const std::vector<CalibrationParameter>& parameters,
                               const std::vector<CalibrationTarget>& targets) {
@@ -40,9 +40,9 @@ inline void check_calibration(const CalibrationOptions& options,
   for (const auto& p : parameters) {
     require(std::isfinite(p.least) && std::isfinite(p.most) && p.least < p.most,
             "Calibration: parameter '", p.name, "' has bounds ", p.least, " and ", p.most,
-            "; the first must be less than the second");
+            "; the first must be smaller");
     require(!p.logarithmic || p.least > 0, "Calibration: parameter '", p.name,
-            "' is logarithmic, so that its bound least = ", p.least, " must be above 0");
+            "' is logarithmic, hence its bound least = ", p.least, " must be above 0");
     names.push_back(p.name);
   }
   for (const auto& t : targets) {
@@ -72,7 +72,7 @@ inline void check_calibration(const CalibrationOptions& options,
   require_not_negative("CalibrationOptions.least_gain", options.least_gain, "-");
 }
 
-/// What runs depend on, as text: a folder of other settings is refused.
+/// Settings that the runs depend on, as text: a folder with other settings is refused.
 inline std::string calibration_settings(const CalibrationOptions& options,
                                         const std::vector<CalibrationParameter>& parameters,
                                         const std::vector<CalibrationTarget>& targets) {

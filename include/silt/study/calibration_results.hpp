@@ -13,23 +13,24 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What a calibration found out.
+/// Result of a calibration.
 struct CalibrationResult {
   struct Parameter {
     std::string name;
     double recommended;        // the most probable value
-    double low, median, high;  // shortest interval that holds `credible` of the posterior; middle
-    double weight;  // [-] total Sobol' index, mean of all targets, over the sum of all parameters'
+    double low, median, high;  // shortest interval with the probability `credible`; median
+    double weight;             // [-] total Sobol' index, mean of all targets, as a share of the sum
   };
   struct Target {
     std::string name;
     double measured, error;
-    double predicted, deviation;       // by the surrogate at the recommended values; its own doubt
+    double predicted, deviation;       // by the surrogate at the recommended values; its
+                                       // uncertainty
     double noise;                      // standard deviation of one run
-    double confirmed;                  // the mean of runs there; not a number if there were none
-    std::vector<double> first, total;  // [-] Sobol' indices, one a parameter
+    double confirmed;                  // mean of runs there; NaN without runs
+    std::vector<double> first, total;  // [-] Sobol' indices, one per parameter
   };
-  /// chi^2 by the surrogate over two parameters (or one: y is empty), all others as recommended.
+  /// chi^2 by the surrogate over two parameters (or one: y is empty), others at recommended values.
   struct Surface {
     std::size_t first = 0, second = 0;              // numbers of the parameters
     std::vector<double> x = {}, y = {}, chi2 = {};  // chi2[i * y.size() + j]
@@ -38,12 +39,12 @@ struct CalibrationResult {
   std::vector<Target> targets;
   double credible = 0.95;    // [-]
   double chi2 = 0;           // [-] at the recommended values: confirmed, else by the surrogate
-  double best_chi2 = 0;      // [-] smallest of a point's mean outputs
+  double best_chi2 = 0;      // [-] smallest value of a point's mean outputs
   std::vector<double> best;  // its parameters
   std::vector<std::vector<double>> samples, correlation;  // of the posterior
   std::vector<Surface> surfaces;
   std::vector<CalibrationRun> runs;
-  std::size_t earlier = 0;  // of them, those of an earlier program
+  std::size_t earlier = 0;  // those of an earlier program
   std::string why;          // it stopped
   std::vector<std::string> notes;
 
@@ -66,7 +67,7 @@ inline std::string four_digits(double number) {
   return std::isnan(number) ? "-" : buffer;
 }
 
-/// For people: values with intervals, targets beside what they are now, sensitivities.
+/// Readable table: values with intervals, targets with the present outputs, sensitivities.
 inline std::string calibration_table(const CalibrationResult& r) {
   const std::string level = four_digits(100 * r.credible);
   std::vector<std::vector<std::string>> rows{
@@ -141,7 +142,7 @@ inline std::string calibration_json(const CalibrationResult& r,
   return out + "\n}\n";
 }
 
-/// Points of the posterior, a row each.
+/// Sample of the posterior, one point per row.
 inline std::string posterior_csv(const CalibrationResult& r) {
   std::string out;
   for (const auto& p : r.parameters) out += (out.empty() ? "" : ",") + csv_cell(p.name);
@@ -152,7 +153,7 @@ inline std::string posterior_csv(const CalibrationResult& r) {
   return out;
 }
 
-/// calibrate.py stands beside this header, where it was when the program was compiled.
+/// calibrate.py is beside this header, at its place when the program was compiled.
 inline std::string calibration_script() {
   const std::string here = __FILE__;
   return here.substr(0, here.rfind('/') + 1) + "calibrate.py";

@@ -17,13 +17,13 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A parameter of a scene that is to be found.
+/// A parameter of a scene to calibrate.
 struct CalibrationParameter {
   std::string name;          // with its unit: "friction [-]"
   double least, most;        // bounds, in that unit
-  bool logarithmic = false;  // its logarithm is what counts; bounds above 0
+  bool logarithmic = false;  // calibrate its logarithm; bounds above 0
 
-  /// Its value at u in [0, 1], and u of a value.
+  /// Its value at u in [0, 1], and u for a value.
   double value(double u) const {
     if (u <= 0 || u >= 1) return u <= 0 ? least : most;
     return logarithmic ? least * std::pow(most / least, u) : least + (most - least) * u;
@@ -35,11 +35,11 @@ struct CalibrationParameter {
   }
 };
 
-/// Something measured that the scene is to reproduce.
+/// A measured quantity that the scene should reproduce.
 struct CalibrationTarget {
   std::string name;  // with its unit
   double measured;
-  double error;  // standard deviation of what was measured: the smaller, the more it counts
+  double error;  // standard deviation of the measurement; determines the weight
 };
 
 /// One run of the scene.
@@ -47,16 +47,16 @@ struct CalibrationRun {
   std::size_t point = 0, repeat = 0;  // counted from 0
   std::string kind = {};              // design, filling, proposal or confirmation
   std::vector<double> parameters = {}, outputs = {};
-  double chi2 = 0;           // [-] of this run alone
+  double chi2 = 0;           // [-] of this run
   double seconds = 0;        // [s] that it took
-  std::string failure = {};  // why it failed; then there are no outputs
+  std::string failure = {};  // reason; then there are no outputs
   bool failed() const { return !failure.empty(); }
 };
 
 namespace detail {
 
-/// The runs of a calibration in FOLDER/calibration.csv, a row as soon as one has ended, on the disk
-/// before the next begins; FOLDER/settings.txt has what they belong to.
+/// Runs of a calibration in FOLDER/calibration.csv. A row is on the disk when its run ends, before
+/// the next begins. FOLDER/settings.txt has the settings.
 class CalibrationJournal {
  public:
   CalibrationJournal(const std::string& folder, std::vector<CalibrationParameter> parameters,
@@ -69,7 +69,7 @@ class CalibrationJournal {
       check_settings(known, read_text(known), settings);
     } else {
       require(!file_exists(path), "Calibration: folder '", folder,
-              "' has a calibration.csv but no settings.txt to tell what it belongs to; choose "
+              "' has a calibration.csv but no settings.txt, which identifies it; choose "
               "another folder");
       write_whole(known, settings);
     }
@@ -77,7 +77,7 @@ class CalibrationJournal {
     require(file_->lock(), "Calibration: another program calibrates in '", folder,
             "' at this moment; choose another folder or wait for it");
     std::string content = read_text(path);
-    const auto whole = content.rfind('\n') + 1;  // a kill may have left a part of a row
+    const auto whole = content.rfind('\n') + 1;  // a kill may have left an incomplete row
     if (whole < content.size()) file_->truncate(whole), content.resize(whole);
     if (content.empty()) {
       append(header());
@@ -86,7 +86,7 @@ class CalibrationJournal {
     }
   }
 
-  /// Runs that an earlier program left, in their order.
+  /// Runs of an earlier program, in their order.
   const std::vector<CalibrationRun>& earlier() const { return earlier_; }
 
   void add(std::size_t number, const CalibrationRun& run) {
@@ -141,7 +141,7 @@ class CalibrationJournal {
       content.remove_prefix(line.size() + 1);
       const auto refuse = [&] {
         throw FileError(text("file '", path, "', row ", number, ": ", in_quotes(line),
-                             " is no run of this calibration; remove it and all rows after it"));
+                             " is not a run of this calibration; remove it and all rows after it"));
       };
       const auto cell = [&] {
         const auto end = line.find(',');

@@ -11,11 +11,11 @@
 #include <silt/study/calibration_results.hpp>
 #include <silt/study/calibration_surrogate.hpp>
 
-/// From the surrogates to what a calibration tells.
+/// Results of a calibration from its surrogates.
 namespace silt::inline SILT_TARGET::detail {
 
-/// Ends of the shortest interval that holds this share of the sorted numbers in [0, 1]; it reaches
-/// a bound if the outermost number is its end and within a hundredth.
+/// Ends of the shortest interval that contains this share of the sorted numbers in [0, 1]. It
+/// extends to a bound if the outermost number is its end and within a hundredth of the bound.
 inline std::pair<double, double> shortest_interval(const std::vector<double>& sorted,
                                                    double share) {
   const auto n = sorted.size();
@@ -63,8 +63,8 @@ inline void fill_parameters(CalibrationResult& r, const std::vector<CalibrationP
   }
 }
 
-/// Targets as the surrogates see them, and the weights of the parameters: their total Sobol'
-/// indices summed over the targets.
+/// Targets by the surrogates, and weights of the parameters: their total Sobol' indices summed over
+/// the targets.
 inline void fill_targets(CalibrationResult& r, const std::vector<CalibrationTarget>& given,
                          const Surrogate& model, const Eigen::VectorXd& recommended,
                          const std::vector<double>& confirmed) {
@@ -93,7 +93,7 @@ inline void fill_targets(CalibrationResult& r, const std::vector<CalibrationTarg
   for (auto& p : r.parameters) p.weight /= whole > 0 ? whole : 1;
 }
 
-/// chi^2 of the surrogates over each pair of the four parameters with most weight.
+/// chi^2 of the surrogates over each pair of the four parameters with the largest weights.
 inline void fill_surfaces(CalibrationResult& r, const std::vector<CalibrationParameter>& given,
                           const Surrogate& model, const Eigen::VectorXd& recommended) {
   constexpr int steps = 40;
@@ -124,7 +124,7 @@ inline void fill_surfaces(CalibrationResult& r, const std::vector<CalibrationPar
     for (std::size_t j = i + 1; j < order.size(); ++j) add(order[i], order[j]);
 }
 
-/// What a user should know before using the values.
+/// Warnings for the use of the values.
 inline void fill_notes(CalibrationResult& r, const std::vector<CalibrationParameter>& given,
                        const std::vector<CalibrationTarget>& targets) {
   const auto note = [&](std::string sentence) { r.notes.push_back(std::move(sentence)); };
@@ -133,12 +133,12 @@ inline void fill_notes(CalibrationResult& r, const std::vector<CalibrationParame
       note(text(r.failures(), " of ", r.runs.size(), " runs failed; the first: ", run.failure));
       break;
     }
-  // What chi^2 of as many degrees of freedom exceeds once in a thousand (Wilson and Hilferty).
+  // chi^2 for these degrees of freedom that is exceeded once in a thousand (Wilson and Hilferty).
   const std::size_t T = targets.size(), d = given.size();
   const double freedom = T > d ? static_cast<double>(T - d) : 1, w = 2 / (9 * freedom);
   const double most = freedom * std::pow(1 - w + 3.09 * std::sqrt(w), 3);
   if (std::min(r.chi2, r.best_chi2) > most)
-    note(text("no values within the bounds were found that give what was measured: chi^2 = ",
+    note(text("no values within the bounds reproduce the measurements: chi^2 = ",
               three_digits(std::min(r.chi2, r.best_chi2)), " where ", three_digits(most),
               " is exceeded once in a thousand; wider bounds, other parameters, or larger errors"));
   for (std::size_t k = 0; k < d; ++k) {
@@ -157,7 +157,7 @@ inline void fill_notes(CalibrationResult& r, const std::vector<CalibrationParame
       if (const double c = r.correlation[i][j]; std::abs(c) > 0.9)
         note(text(r.parameters[i].name, " and ", r.parameters[j].name,
                   " are known together only (correlation ", three_digits(c),
-                  "): another target would tell them apart"));
+                  "): another target would separate them"));
   for (const auto& t : r.targets)
     if (t.deviation > t.error)
       note(text("the surrogate of ", t.name, " is less certain (", three_digits(t.deviation),

@@ -12,16 +12,16 @@
 #include <silt/core/random.hpp>
 #include <silt/study/gaussian_process.hpp>
 
-/// What a calibration knows from its runs: a Gaussian process for each target, and what follows
-/// from all of them together. Parameters u are in [0, 1] between their bounds.
+/// Surrogates of a calibration: a Gaussian process for each target, and quantities derived from all
+/// of them. Parameters u are in [0, 1] between their bounds.
 namespace silt::inline SILT_TARGET::detail {
 
-/// A target as a surrogate sees it.
+/// A target of the surrogates.
 struct Wanted {
   double measured, error;  // [unit of the target], standard deviation
 };
 
-/// E[max(0, c - z^2)] of a normal z.
+/// E[max(0, c - z^2)] for a normal z.
 inline double mean_below(double c, double mean, double deviation) {
   if (!(c > 0)) return 0;
   if (!(deviation > 1e-12 * (1 + std::abs(mean)))) return std::max(0.0, c - mean * mean);
@@ -37,7 +37,7 @@ inline double mean_below(double c, double mean, double deviation) {
                            deviation * deviation * (a * pa - b * pb));
 }
 
-/// chi^2 = sum_t ((y_t - measured_t)/error_t)^2 where each y_t is known as mean and deviation.
+/// chi^2 = sum_t ((y_t - measured_t)/error_t)^2 where each y_t has a mean and a deviation.
 class Misfit {
  public:
   explicit Misfit(std::vector<Wanted> wanted) : wanted_(std::move(wanted)) {
@@ -62,8 +62,8 @@ class Misfit {
     return sum;
   }
 
-  /// Expected improvement E[max(0, best - chi^2)]: in closed form over the least known of the
-  /// targets, over the others by 128 evenly spread points.
+  /// Expected improvement E[max(0, best - chi^2)]: in closed form over the most uncertain target,
+  /// and by 128 quasi-random points over the others.
   /// Source: Jones, Schonlau, Welch (1998) for the criterion, recalled.
   double expected_improvement(const Known& y, double best) const {
     std::vector<std::pair<double, double>> z;  // mean and deviation of (y - measured)/error
@@ -85,8 +85,8 @@ class Misfit {
     return sum / static_cast<double>(normals_.size());
   }
 
-  /// Logarithm of the density of what was measured, given the parameters of these predictions: the
-  /// surrogate's own variance adds to that of the measurement.
+  /// Logarithm of the density of the measurements, given the predictions for these parameters; the
+  /// surrogate's variance is added to that of the measurement.
   double log_likelihood(const Known& y) const {
     double sum = 0;
     for (std::size_t t = 0; t < y.size(); ++t) {
@@ -102,8 +102,8 @@ class Misfit {
   std::vector<Eigen::VectorXd> normals_;
 };
 
-/// Where runs failed: share of failures about u, 0 far from all of them, by kriging with fixed
-/// lengths of a quarter of the bounds.
+/// Failed runs: share of failures near u, 0 far from all of them, by kriging with fixed lengths of
+/// a quarter of the bounds.
 class Failures {
  public:
   Failures() = default;
@@ -134,7 +134,7 @@ class Failures {
   Eigen::VectorXd weights_;
 };
 
-/// The surrogates of all targets.
+/// Surrogates of all targets.
 class Surrogate {
  public:
   Surrogate(std::vector<GaussianProcess> targets, const std::vector<Wanted>& wanted,
@@ -151,7 +151,7 @@ class Surrogate {
   double expected_improvement(const Eigen::VectorXd& u, double best) const {
     return misfit_.expected_improvement(predict(u), best) * (1 - failures_.share(u));
   }
-  /// Logarithm of the posterior density, all u in the bounds alike beforehand.
+  /// Logarithm of the posterior density, with a uniform prior.
   double log_posterior(const Eigen::VectorXd& u) const {
     return misfit_.log_likelihood(predict(u)) + std::log(std::max(1 - failures_.share(u), 1e-6));
   }
@@ -163,7 +163,7 @@ class Surrogate {
 };
 
 /// The u with the largest `value` in the unit cube: some hundred points everywhere, some around
-/// `near`, and a simplex from the best few.
+/// `near`, and a simplex search from the best few.
 template <class Value>
 std::pair<Eigen::VectorXd, double> largest_in_cube(const Value& value, std::size_t dimensions,
                                                    const std::vector<Eigen::VectorXd>& near,
@@ -194,15 +194,15 @@ std::pair<Eigen::VectorXd, double> largest_in_cube(const Value& value, std::size
         },
         tried[k].second, low, high, 0.02, 60 * dimensions);
     Eigen::VectorXd u = found.first;
-    for (auto& x : u) x = x < 1e-6 ? 0 : x > 1 - 1e-6 ? 1 : x;  // on a bound, not a hair beside it
+    for (auto& x : u) x = x < 1e-6 ? 0 : x > 1 - 1e-6 ? 1 : x;  // exactly on a bound
     const double there = value(u);
     if (there > best.first) best = {there, u};
   }
   return {best.second, best.first};
 }
 
-/// Points drawn from exp(log_density) in the unit cube: an ensemble of walkers, each moved along
-/// the line through another, that starts from evenly spread points chosen by their density.
+/// Sample of exp(log_density) in the unit cube by an ensemble of walkers, each moved along the line
+/// through another one, starting from quasi-random points chosen by their density.
 /// Source: Goodman, Weare, Comm. App. Math. Comp. Sci. 5 (2010) 65, the stretch move with a = 2.
 template <class LogDensity>
 std::vector<Eigen::VectorXd> sample_in_cube(const LogDensity& log_density, std::size_t dimensions,
@@ -221,7 +221,7 @@ std::vector<Eigen::VectorXd> sample_in_cube(const LogDensity& log_density, std::
     }
   double most = -std::numeric_limits<double>::infinity();
   for (const auto& a : all) most = std::max(most, a.first);
-  // Chosen in proportion to the density, as often as that is wanted.
+  // Chosen in proportion to the density, with repetition.
   std::vector<double> sums;
   double sum = 0;
   for (const auto& a : all) sums.push_back(sum += std::exp(a.first - most));
@@ -231,14 +231,14 @@ std::vector<Eigen::VectorXd> sample_in_cube(const LogDensity& log_density, std::
     auto place =
         static_cast<std::size_t>(std::upper_bound(sums.begin(), sums.end(), wanted) - sums.begin());
     at.push_back(all[std::min(place, all.size() - 1)]);
-    auto& u = at.back().second;  // no two in one place
+    auto& u = at.back().second;  // no two at one point
     for (auto& x : u) x = std::clamp(x + 1e-3 * random.normal(), 0.0, 1.0);
     at.back().first = log_density(u);
   }
   std::vector<Eigen::VectorXd> out;
   for (std::size_t round = 0; round < rounds; ++round) {
     for (std::size_t k = 0; k < walkers; ++k) {
-      const std::size_t half = walkers / 2;  // the partner is of the other half
+      const std::size_t half = walkers / 2;  // the partner is from the other half
       const std::size_t other = k < half ? half + random.index(walkers - half) : random.index(half);
       const double root = random.uniform(std::sqrt(0.5), std::sqrt(2.0)), z = root * root;
       const Eigen::VectorXd u = at[other].second + z * (at[k].second - at[other].second);
@@ -253,8 +253,8 @@ std::vector<Eigen::VectorXd> sample_in_cube(const LogDensity& log_density, std::
   return out;
 }
 
-/// Points of which each parameter is in another of as many equal parts: of 200 such Latin squares
-/// that whose nearest points are farthest apart.
+/// Latin hypercube: each parameter is in a different one of as many equal intervals at each point.
+/// Of 200 such designs, the one with the largest smallest distance between points.
 inline std::vector<Eigen::VectorXd> latin_hypercube(std::size_t points, std::size_t dimensions,
                                                     Random& random) {
   std::vector<Eigen::VectorXd> best;

@@ -9,9 +9,9 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What a study measures its costs with.
+/// Clock for the costs of a study.
 struct StudyClock {
-  std::string name;             // as the table calls it
+  std::string name;             // its name in the table
   std::function<double()> now;  // [s] since some moment
 };
 
@@ -25,13 +25,13 @@ inline double seconds_of(clockid_t which) {
 
 }  // namespace detail
 
-/// Processor time of all threads of this program: other programs on the machine cost it no more
-/// than their share of caches and memory. What is computed on several threads costs their sum.
+/// Processor time of all threads of this program. Other programs on the machine affect it only
+/// through caches and memory. Work of several threads is summed.
 inline StudyClock processor_time() {
   return {"processor time", [] { return detail::seconds_of(CLOCK_PROCESS_CPUTIME_ID); }};
 }
 
-/// Time that passes: for studies of threads, on a machine with nothing else to do.
+/// Wall time: for studies of threads, on an idle machine.
 inline StudyClock wall_time() {
   return {"wall time", [] { return detail::seconds_of(CLOCK_MONOTONIC); }};
 }

@@ -15,7 +15,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What a Gaussian process is fitted to: points of the unit cube, at each the mean of some runs.
+/// Data for a Gaussian process: points of the unit cube, with the mean of some runs at each.
 struct GaussianProcessData {
   Eigen::MatrixXd points;   // [-] a row each, in [0, 1]
   Eigen::VectorXd means;    // of the runs at each point
@@ -23,26 +23,27 @@ struct GaussianProcessData {
   double scatter = 0;       // sum of (run - mean of its point)^2 over all runs
 };
 
-/// How a Gaussian process correlates two points, and how noisy a run is.
+/// Correlation of a Gaussian process between points, and noise of a run.
 struct GaussianProcessLengths {
-  Eigen::VectorXd lengths;  // [-] of correlation, one a parameter
+  Eigen::VectorXd lengths;  // [-] of correlation, one per parameter
   double noise = 1e-6;      // [-] variance of a run's noise over that of the process
 };
 
-/// A function of a few parameters in [0, 1], learnt from noisy runs: kriging with a linear trend,
+/// Gaussian process regression of a function of a few parameters in [0, 1] from noisy runs: kriging
+/// with a linear trend,
 ///
 ///   y(x) = b0 + sum_k b_k (x_k - 1/2) + Z(x) + noise,  cov(Z(x), Z(x')) = s^2 prod_k r(h_k / l_k),
 ///   r(h) = (1 + a + a^2/3) exp(-a),  a = sqrt(5) |h|            (Matern 5/2)             (1)
 ///
 /// whose trend has a flat prior (universal kriging). Lengths and noise maximise the restricted
-/// likelihood of all runs, in which repeats at a point enter by their mean and their scatter, with
-/// s^2 in closed form, times a weak prior on the lengths, log-normal about 0.5 with a factor e:
-/// without it few points choose lengths of 0 or infinity.
+/// likelihood of all runs, with s^2 in closed form; repeats at a point enter by their mean and
+/// scatter. A weak prior on the lengths, log-normal about 0.5 with a factor e, prevents lengths of
+/// 0 or infinity with few points.
 /// Source: Rasmussen, Williams, "Gaussian Processes for Machine Learning" (2006), eq. 2.42, 5.8;
 ///         product of Matern correlations as in DiceKriging (Roustant et al. 2012), both recalled.
-/// Valid:  some 300 points at most (time grows as points^3); a function that is about as rough
-///         everywhere and has no jumps.
-/// Errors: InputError for data that do not fit together or are too few for the trend.
+/// Valid:  up to some 300 points (time grows as points^3); a function of uniform roughness without
+///         jumps.
+/// Errors: InputError for inconsistent data, or too few for the trend.
 /// Tests:  tests/study/gaussian_process.cpp (formulas by hand, coverage, noise, Ishigami).
 class GaussianProcess {
  public:
@@ -50,8 +51,8 @@ class GaussianProcess {
     double mean, variance;  // of the function, without the noise of a run
   };
 
-  /// Lengths and noise by likelihood: from `start` alone, or with a search over all if that is
-  /// null.
+  /// Lengths and noise by maximum likelihood: starting from `start`, or with a global search if
+  /// that is null.
   GaussianProcess(const GaussianProcessData& data, const GaussianProcessLengths* start) {
     take(data);
     const Eigen::Index d = points_.cols();
@@ -110,7 +111,7 @@ class GaussianProcess {
   double noise_variance() const { return lengths_.noise * process_variance(); }
 
   /// Sobol' indices of the mean function with all parameters uniform in [0, 1]: first order and
-  /// total, one a parameter, and the variance that they are shares of.
+  /// total, one per parameter, and the total variance.
   struct Indices {
     Eigen::VectorXd first, total;
     double variance;
@@ -138,8 +139,8 @@ class GaussianProcess {
     if (!(scale_ > 0)) scale_ = 1;
     values_ = (data.means.array() - middle_) / scale_;
     scatter_ = data.scatter / (scale_ * scale_);
-    // Repeats that all but agree tell of no noise that would matter; their likelihood, with a least
-    // noise that is a share of the process, would make the process itself small.
+    // Repeats that almost agree contain no relevant noise. Their likelihood, with a lower bound of
+    // the noise relative to the process, would make the process itself small.
     if (scatter_ <= 1e-6 * (repeats_.sum() - static_cast<double>(n)))
       repeats_.setOnes(), scatter_ = 0;
     trends_.resize(n, d + 1);
@@ -160,7 +161,7 @@ class GaussianProcess {
     return product * std::exp(-sum);
   }
 
-  /// -2 log of restricted likelihood and prior, but for a constant.
+  /// -2 log of restricted likelihood and prior, up to a constant.
   double try_lengths(const GaussianProcessLengths& lengths) {
     lengths_ = lengths;
     inverse_ = std::sqrt(5.0) * lengths.lengths.cwiseInverse();
@@ -205,13 +206,13 @@ class GaussianProcess {
   Eigen::LLT<Eigen::MatrixXd> factor_, trend_factor_;
 };
 
-/// The mean is a sum of products of functions of one parameter each, c_j prod_k f_jk(x_k), so that
-/// with I_jk the mean of f_jk and C_ijk that of f_ik f_jk
+/// The mean is a sum of products of functions of one parameter each, c_j prod_k f_jk(x_k). Thus,
+/// with I_jk the mean of f_jk and C_ijk that of f_ik f_jk,
 ///
 ///   V + m^2 = c' (prod_k C_k) c,   V_k + m^2 = c' (C_k prod_(l != k) I_l I_l') c              (1)
 ///
-/// and as (1) with I and C exchanged for the variance that all others explain together. Integrals
-/// by the midpoint rule.
+/// and as (1) with I and C exchanged for the joint variance of all others. Integrals by the
+/// midpoint rule.
 /// Source: Sobol' (1993), Homma and Saltelli (1996); Oakley and O'Hagan (2004) for the idea, all
 ///         recalled.
 inline GaussianProcess::Indices GaussianProcess::sobol_indices() const {
@@ -237,7 +238,7 @@ inline GaussianProcess::Indices GaussianProcess::sobol_indices() const {
     means = means.cwiseProduct(I);
   }
   const double mean = c.dot(means);
-  /// Variance of the mean of the function over those parameters that are not `of`.
+  /// Variance of the mean of the function over all parameters except `of`.
   const auto variance = [&](const auto& of) {
     Eigen::MatrixXd product = Eigen::MatrixXd::Ones(terms, terms);
     for (Eigen::Index k = 0; k < d; ++k)

@@ -10,14 +10,14 @@
 
 #include <silt/core/eigen.hpp>
 
-/// The simplex and the evenly spread points that surrogates are searched with.
+/// Simplex search and quasi-random points, used to search surrogates.
 namespace silt::inline SILT_TARGET::detail {
 
-/// The smallest value of `f` that Nelder and Mead's simplex finds from `start` in a box, whose
-/// sides the simplex does not feel: it moves in angles t, x = middle + half sin(t). Ends after
-/// `most` calls or when the simplex is smaller than `least` [share of the box] in all directions
-/// and a new one around it finds nothing lower. Source: Nelder, Mead, The Computer Journal 7 (1965)
-/// 308, with the usual factors 1, 2, 1/2, 1/2.
+/// Smallest value of `f` found by the Nelder-Mead simplex from `start` in a box. The simplex moves
+/// in angles t, x = middle + half sin(t), and thus never leaves the box. Ends after `most` calls,
+/// or when the simplex is smaller than `least` [share of the box] in all directions and a new one
+/// around it finds nothing lower. Source: Nelder, Mead, The Computer Journal 7 (1965) 308, with the
+/// usual factors 1, 2, 1/2, 1/2.
 template <class Function>
 std::pair<Eigen::VectorXd, double> minimise_in_box(const Function& f, const Eigen::VectorXd& start,
                                                    const Eigen::VectorXd& low,
@@ -85,7 +85,7 @@ std::pair<Eigen::VectorXd, double> minimise_in_box(const Function& f, const Eige
   return {place(all[0].t), all[0].value};
 }
 
-/// Place of point `n` of an additive sequence that fills the unit cube of `dimensions` evenly.
+/// Position of point `n` of an additive quasi-random sequence in the unit cube of `dimensions`.
 /// Source: Roberts, "The unreasonable effectiveness of quasirandom sequences" (2018), recalled.
 inline Eigen::VectorXd evenly_spread(std::size_t n, std::size_t dimensions, double shift = 0.5) {
   double phi = 2;  // the root of phi^(d + 1) = phi + 1

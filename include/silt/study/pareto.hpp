@@ -12,14 +12,15 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What one way to compute something costs, and how wrong it is.
+/// Cost and error of one way to compute something.
 struct CostAndError {
   double cost;   // > 0, in any unit
   double error;  // >= 0, in any unit
 };
 
-/// The numbers of those that no other beats in both, by rising cost: of everything else there is
-/// one that is cheaper and no worse, or better and no dearer. Of equals the first is taken.
+/// Pareto front: the numbers of those that no other beats in both, by increasing cost. For each of
+/// the others there is one that is cheaper and not worse, or better and not more expensive. Of
+/// equal ones the first is taken.
 /// Errors: InputError for a cost that is not positive or an error that is negative or not finite.
 /// Tests:  tests/study/pareto.cpp.
 inline std::vector<std::size_t> pareto_front(std::span<const CostAndError> all) {
@@ -38,12 +39,12 @@ inline std::vector<std::size_t> pareto_front(std::span<const CostAndError> all) 
   return front;
 }
 
-/// Where more cost begins to buy less accuracy: in logarithms of cost and error, each scaled so
-/// that the cheapest of the front lies at (0, 1) and the dearest at (1, 0), the point farthest
-/// below the straight line between the two, x + y = 1. Returns its place in the front; none if the
-/// front has less than three points or none lies at least 0.05 below the line: a power law has no
-/// knee. An error of 0 counts as a tenth of the smallest other one.
-///   front: as pareto_front gives it
+/// Knee of a Pareto front, beyond which cost reduces the error less. In logarithms of cost and
+/// error, scaled such that the cheapest is at (0, 1) and the most expensive at (1, 0), it is the
+/// point farthest below the straight line x + y = 1. Returns its index in the front; empty if the
+/// front has fewer than three points or no point is at least 0.05 below the line: a power law has
+/// no knee. An error of 0 counts as a tenth of the smallest other one.
+///   front: as returned by pareto_front
 inline std::optional<std::size_t> knee_of(std::span<const CostAndError> front) {
   constexpr double least_depth = 0.05;  // [-]
   if (front.size() < 3) return std::nullopt;

@@ -20,17 +20,17 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// How a study measures costs.
+/// Options of a study.
 struct StudyOptions {
-  std::size_t repeats = 5;       // [-] rounds; the cost is the median of theirs
-  double least_time = 0.02;      // [s] what is timed in a round: a short run is repeated until then
+  std::size_t repeats = 5;       // [-] rounds; the cost is their median
+  double least_time = 0.02;      // [s] smallest time per round: a short run is repeated
   std::size_t most_runs = 1000;  // [-] of a variant in a round
   StudyClock clock = processor_time();
-  /// Called before each variant of each round (0, 1, ...), to show how far a long study is.
+  /// Called before each variant of each round (0, 1, ...), to show the progress of a long study.
   std::function<void(std::size_t round, const std::string& variant)> watch = {};
 };
 
-/// One scene under a list of variants: what each costs and how wrong it is.
+/// Cost and error of variants of one scene.
 ///
 ///   silt::Study study{"restitution over the time step"};
 ///   study.accept("restitution", 0.01);
@@ -43,16 +43,17 @@ struct StudyOptions {
 ///   study.run();
 ///   study.report("out/restitution");
 ///
-/// Against the same scene much finer: `study.reference("t_c/1000", function)` and, in functions,
-/// `run.value("height", h, "m")`. Costs are measured in rounds that go through all variants, forth
-/// and back by turns, so that what disturbs the machine for a while disturbs all alike. A variant
-/// that throws an Error of silt stands in the table with its sentence, and the study goes on.
+/// To compare with the same scene at higher resolution: `study.reference("t_c/1000", function)`
+/// and, in the functions, `run.value("height", h, "m")`. Costs are measured in rounds over all
+/// variants, alternately forwards and backwards, which distributes disturbances of the machine
+/// evenly. A variant that throws an Error of silt is listed in the table with its message, and the
+/// study continues.
 ///
-/// Recommended is the cheapest variant that keeps all bounds set by `accept`; without bounds the
-/// knee of the Pareto front of cost and first error (study/pareto.hpp).
+/// Recommended is the cheapest variant within all bounds of `accept`; without bounds the knee of
+/// the Pareto front of cost and first error (study/pareto.hpp).
 ///
-/// Errors: InputError for a study that makes no sense (no variants, two of one name, numbers that
-///         are missing or have no reference); FileError if `write` cannot.
+/// Errors: InputError for an invalid study (no variants, two of one name, numbers that are missing
+///         or have no reference); FileError if `write` fails.
 /// Tests:  tests/study/study.cpp.
 class Study {
  public:
@@ -61,18 +62,17 @@ class Study {
   explicit Study(std::string name) { results_.name = std::move(name); }
 
   void variant(const std::string& name, Variant function) { add(name, std::move(function), false); }
-  /// A variant that is there to compare others with and is never recommended: the same scene a
-  /// little disturbed, say, which tells by how much a crowd differs from itself.
+  /// A variant for comparison that is never recommended, for example the same scene with a small
+  /// disturbance, which shows the scatter of many-particle systems.
   void control(const std::string& name, Variant function) { add(name, std::move(function), true); }
-  /// What values are compared with; it is run once and may be dear.
+  /// Reference for values; it is run once and may be expensive.
   void reference(const std::string& name, Variant function) {
     require(!reference_, which(), "it has a reference already, '",
             reference_ ? reference_->name : "", "'");
     require(function != nullptr, which(), "reference '", name, "' has no function");
     reference_ = Named{name, std::move(function), true};
   }
-  /// The largest error of this name (as the table shows it) with which a variant may be
-  /// recommended.
+  /// Largest error of this name (as in the table) of a recommended variant.
   void accept(const std::string& error, double limit) {
     require_not_negative(which() + "accept(\"" + error + "\")", limit, "as the error");
     results_.bounds.push_back({error, limit});
@@ -104,8 +104,9 @@ class Study {
   const StudyResults& results() const { return results_; }
   std::string table() const { return detail::study_table(results_); }
 
-  /// Writes table.txt, table.csv, summary.json and, if Python with matplotlib is there, pareto.png
-  /// into `folder`, each whole or not at all. Returns a sentence on what it wrote.
+  /// Writes table.txt, table.csv, summary.json and, if Python with matplotlib is available,
+  /// pareto.png into `folder`; each file is complete or absent. Returns a sentence on the files
+  /// written.
   std::string write(const std::string& folder) const {
     require(!results_.rows.empty(), which(), "there is nothing to write before run()");
     make_folder(folder);
@@ -116,7 +117,7 @@ class Study {
     if (!results_.first()) return files + "table.csv, summary.json; nothing ran, so no picture.";
     if (detail::draw_study(folder)) return files + "pareto.png, table.csv, summary.json.";
     return files + text("table.csv, summary.json; no picture: python3 ", detail::study_script(),
-                        " ", folder, " tells why.");
+                        " ", folder, " gives the reason.");
   }
   /// Prints the table and writes the files.
   void report(const std::string& folder) const {
@@ -161,7 +162,7 @@ class Study {
         largest = std::max(largest, std::abs(x));
       }
       require(largest > 0, which(), "'", v.name,
-              "' of the reference is 0, so that there is no "
+              "' of the reference is 0 and there is no "
               "relative error; give the error itself by StudyRun::error");
     }
     take(run, row);
@@ -169,7 +170,7 @@ class Study {
     results_.reference = std::move(row);
   }
 
-  /// Runs a variant until it has been timed for long enough.
+  /// Runs a variant until its measured time is long enough.
   void time_round(const Named& variant, StudyRow& row, const StudyOptions& options) {
     double timed = 0;
     std::size_t runs = 0;
@@ -186,20 +187,20 @@ class Study {
       timed += run.timed_;
       ++runs, ++row.runs;
     } while (timed < options.least_time && runs < options.most_runs);
-    require(timed > 0, which(), "'", row.name, "' takes no time that '", options.clock.name,
+    require(timed > 0, which(), "'", row.name, "' takes less time than '", options.clock.name,
             "' can measure; time more work in one run");
     row.costs.push_back(timed / static_cast<double>(runs));
   }
 
-  /// What the first run tells.
+  /// Takes the results of the first run.
   void take(const StudyRun& run, StudyRow& row) {
     row.errors = run.errors_, row.notes = run.notes_;
     for (const auto& v : run.values_)
       row.errors.push_back({"error of " + v.name, relative_error(v, row.name), "-"});
     require(run.has_timed_, which(), "'", row.name,
-            "' times nothing: put what costs into StudyRun::time");
+            "' measures no time: put the costly part into StudyRun::time");
     require(!row.errors.empty(), which(), "'", row.name,
-            "' tells no error: call StudyRun::error or StudyRun::value");
+            "' reports no error: call StudyRun::error or StudyRun::value");
     check_names(row);
     for (const auto* numbers : {&row.errors, &row.notes})
       for (const auto& n : *numbers)
@@ -239,7 +240,7 @@ class Study {
             twice == names.end() ? "" : *twice, "'");
   }
 
-  /// All variants give the same errors in the same units.
+  /// All variants must give the same errors in the same units.
   void check_like_first(const StudyRow& row) const {
     const auto* first = results_.first();
     if (!first || first == &row || first->errors.empty()) return;

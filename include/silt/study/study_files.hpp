@@ -11,7 +11,7 @@
 #include <silt/study/study_results.hpp>
 #include <silt/study/study_table.hpp>
 
-/// What a study found out, as files.
+/// Results of a study as files.
 namespace silt::inline SILT_TARGET::detail {
 
 inline std::string json_quoted(std::string_view words) {
@@ -26,7 +26,7 @@ inline std::string json_quoted(std::string_view words) {
   return out + '"';
 }
 
-/// "begin a, b, c end" of the texts that `item` makes of a range.
+/// "begin a, b, c end" from the texts `item(x)` of a range.
 template <class Range, class Item>
 std::string json_joined(const char* begin, const char* end, const Range& range, const Item& item) {
   std::string out = begin;
@@ -88,17 +88,17 @@ inline std::string shell_quoted(const std::string& word) {
   return out + "'";
 }
 
-/// pareto.py stands beside this header, where it was when the program was compiled.
+/// pareto.py is beside this header, at its place when the program was compiled.
 inline std::string study_script() {
   const std::string here = __FILE__;
   return here.substr(0, here.rfind('/') + 1) + "pareto.py";
 }
 
-/// Draws `folder`/pareto.png from `folder`/summary.json, or what another script does; false if no
-/// Python could.
+/// Draws `folder`/pareto.png from `folder`/summary.json, or the picture of another script; false if
+/// no Python could.
 inline bool draw_study(const std::string& folder, const std::string& script = study_script(),
                        const std::string& picture = "pareto.png") {
-  std::remove((folder + "/" + picture).c_str());  // of an earlier study: not of these numbers
+  std::remove((folder + "/" + picture).c_str());  // of an earlier study
   std::fflush(stdout);
   for (const char* python : {"python3", "/usr/bin/python3"})
     if (std::system(

@@ -15,37 +15,37 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A measured number with its name and unit.
+/// A measured number with name and unit.
 struct StudyNumber {
   std::string name;
   double value;
   std::string unit;
 };
 
-/// What a study found out about one variant.
+/// Results of one variant.
 struct StudyRow {
   std::string name;
-  bool control = false;                  // only there to compare others with
-  std::vector<double> costs = {};        // [s] of one run: one entry a round
-  std::size_t runs = 0;                  // [-] in all rounds; several a round if one run is short
+  bool control = false;                  // only for comparison
+  std::vector<double> costs = {};        // [s] of one run: one entry per round
+  std::size_t runs = 0;                  // [-] in all rounds; several per round if one run is short
   std::vector<StudyNumber> errors = {};  // >= 0
   std::vector<StudyNumber> notes = {};   // not judged
-  std::string failure = {};              // the sentence that stopped it; empty: it ran
+  std::string failure = {};              // message of the error; empty: it ran
 
   bool failed() const { return !failure.empty(); }
   bool judged() const { return !failed() && !control; }
   double least_cost() const { return *std::min_element(costs.begin(), costs.end()); }     // [s]
   double greatest_cost() const { return *std::max_element(costs.begin(), costs.end()); }  // [s]
-  /// The median of the rounds [s].
+  /// Median of the rounds [s].
   double cost() const {
     std::vector<double> sorted = costs;
     std::sort(sorted.begin(), sorted.end());
     const std::size_t n = sorted.size();
     return 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]);
   }
-  /// Between the dearest and the cheapest round, over the median [-].
+  /// (Largest - smallest cost of the rounds)/median [-].
   double spread() const { return (greatest_cost() - least_cost()) / cost(); }
-  /// An error by its name; nullptr if there is none.
+  /// Error with this name; nullptr if there is none.
   const StudyNumber* error(std::string_view wanted) const { return find(errors, wanted); }
   const StudyNumber* note(std::string_view wanted) const { return find(notes, wanted); }
 
@@ -57,35 +57,35 @@ struct StudyRow {
   }
 };
 
-/// The largest error of this name that is accepted.
+/// Largest accepted error of this name.
 struct StudyBound {
   std::string error;
   double limit;
 };
 
-/// What a study found out.
+/// Results of a study.
 struct StudyResults {
   std::string name;
-  std::string clock;       // what costs are measured with
+  std::string clock;       // name of the clock
   std::size_t rounds = 0;  // [-]
   std::vector<StudyBound> bounds = {};
-  std::vector<StudyRow> rows = {};         // one a variant, in the order in which they were given
-  std::optional<StudyRow> reference = {};  // run once
+  std::vector<StudyRow> rows = {};              // one per variant, in the order given
+  std::optional<StudyRow> reference = {};       // run once
   std::optional<std::size_t> recommended = {};  // row
-  std::string why = {};  // a sentence: what is recommended and why, or why none
+  std::string why = {};  // a sentence: the recommendation and its reason, or why there is none
 
-  /// The first variant that ran: all give the same errors, in the same order. nullptr: none ran.
+  /// The first variant that ran; all give the same errors, in the same order. nullptr: none ran.
   const StudyRow* first() const {
     for (const auto& row : rows)
       if (!row.failed()) return &row;
     return nullptr;
   }
-  /// The error that the front is drawn for: the first bounded one, else the first there is.
+  /// Error of the front: the first with a bound, else the first.
   std::string judged_by() const {
     if (!bounds.empty()) return bounds.front().error;
     return first() ? first()->errors.front().name : "";
   }
-  /// The rows on the Pareto front of cost and this error, by rising cost.
+  /// Rows on the Pareto front of cost and this error, by increasing cost.
   std::vector<std::size_t> front(std::string_view error) const {
     std::vector<std::size_t> ran;
     const auto points = points_of(error, ran);
@@ -94,8 +94,8 @@ struct StudyResults {
     return out;
   }
 
-  /// Sets `recommended` and `why`: of the variants that keep all bounds the cheapest; without
-  /// bounds the knee of the front.
+  /// Sets `recommended` and `why`: the cheapest variant within all bounds; without bounds the knee
+  /// of the front.
   void judge() {
     recommended.reset();
     if (std::none_of(rows.begin(), rows.end(), [](const StudyRow& r) { return r.judged(); }))
@@ -156,7 +156,7 @@ struct StudyResults {
     if (line.size() == 1) {
       recommended = ran[on_front[0]];
       why = text("Recommended: ", rows[*recommended].name,
-                 ", at once the cheapest and that of the "
+                 ", both the cheapest and that of the "
                  "least ",
                  judged_by(), ".");
     } else if (const auto knee = knee_of(line)) {

@@ -14,12 +14,12 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// One run of a variant: what it times and tells. Errors and values are taken from the first run of
-/// a variant (silt's results are the same bits from run to run); later ones are there for the
-/// clock.
+/// One run of a variant: measures time and collects results. Errors and values are taken from the
+/// first run of a variant (silt's results are equal bit for bit from run to run); later runs only
+/// measure time.
 class StudyRun {
  public:
-  /// Does `work` and adds the time it takes to the cost of this run.
+  /// Executes `work` and adds its time to the cost of this run.
   template <std::invocable Work>
   void time(Work&& work) {
     const double start = (*now_)();
@@ -27,23 +27,23 @@ class StudyRun {
     timed_ += (*now_)() - start;
     has_timed_ = true;
   }
-  /// What is to be small, in absolute value: the deviation from a closed form, say.
+  /// An error, to be small in absolute value, e.g. the deviation from a closed form.
   void error(const std::string& name, double value, const std::string& unit = "-") {
     if (first_) errors_.push_back({name, std::abs(value), unit});
   }
-  /// The same from a function, which is called in the first run alone: for what takes long.
+  /// The same from a function that is called only in the first run, for expensive evaluations.
   template <std::invocable Measure>
   void error(const std::string& name, Measure&& measure, const std::string& unit = "-") {
     if (first_) error(name, static_cast<double>(std::forward<Measure>(measure)()), unit);
   }
-  /// What is compared with the same of the reference: gives the error |value/reference - 1| under
-  /// the name "error of <name>".
+  /// A value to compare with that of the reference: gives the error |value/reference - 1| with the
+  /// name "error of <name>".
   void value(const std::string& name, double value, const std::string& unit = "-") {
     if (!first_) return;
     note(name, value, unit);
     values_.push_back({name, {value}});
   }
-  /// The same for many numbers, a profile or the places of all particles: their root mean square
+  /// The same for many numbers, such as a profile or all particle positions: root mean square
   /// difference over the root mean square of the reference.
   void value(const std::string& name, std::span<const double> values) {
     if (first_) values_.push_back({name, {values.begin(), values.end()}});

@@ -10,10 +10,10 @@
 #include <silt/core/error.hpp>
 #include <silt/study/study_results.hpp>
 
-/// What a study found out as a table: for people, and as CSV.
+/// Results of a study as a table, readable and as CSV.
 namespace silt::inline SILT_TARGET::detail {
 
-/// Three digits: more would be noise in a cost, and errors are read by their size.
+/// Three digits: more would be noise in a cost, and of errors the size is of interest.
 inline std::string three_digits(double number) {
   char buffer[32];
   std::snprintf(buffer, sizeof buffer, "%.3g", number);
@@ -24,7 +24,7 @@ inline bool contains(const std::vector<std::size_t>& all, std::size_t wanted) {
   return std::find(all.begin(), all.end(), wanted) != all.end();
 }
 
-/// The notes of all variants, each name once, in the order in which they first appear.
+/// Notes of all variants, each name once, in the order of first appearance.
 inline std::vector<StudyNumber> notes_of(const StudyResults& results) {
   std::vector<StudyNumber> all;
   const auto include = [&](const StudyRow& row) {
@@ -45,7 +45,7 @@ inline std::vector<std::size_t> front_of(const StudyResults& results) {
   return results.first() ? results.front(results.judged_by()) : std::vector<std::size_t>{};
 }
 
-/// A unit in which the cheapest variant costs at least 1, if it is no coarser than seconds.
+/// Unit in which the cheapest variant costs at least 1, at most seconds.
 struct CostUnit {
   double seconds;
   const char* name;
@@ -59,7 +59,8 @@ inline CostUnit cost_unit(const StudyResults& results) {
   return {1, "s"};
 }
 
-/// Rows of as many cells, each column as wide as its widest cell; `left` columns flushed left.
+/// Rows of equally many cells, each column as wide as its widest cell; the first `left` columns
+/// left aligned.
 inline std::string aligned(const std::vector<std::vector<std::string>>& rows, std::size_t left) {
   std::vector<std::size_t> width(rows.front().size(), 0);
   for (const auto& row : rows)
@@ -77,7 +78,7 @@ inline std::string aligned(const std::vector<std::vector<std::string>>& rows, st
   return out;
 }
 
-/// The table for people.
+/// The readable table.
 inline std::string study_table(const StudyResults& results) {
   const CostUnit unit = cost_unit(results);
   const auto errors = errors_of(results), notes = notes_of(results);
@@ -106,7 +107,7 @@ inline std::string study_table(const StudyResults& results) {
   std::string out = text(results.name, "\n") + aligned(rows, 2);
   out += text("cost: ", results.clock, " of one run, median of ", results.rounds,
               results.rounds == 1 ? " round" : " rounds",
-              "; spread: of the rounds, dearest less cheapest, over the median\n");
+              "; spread: of the rounds, (largest - smallest)/median\n");
   if (results.first()) {
     const bool control = std::any_of(results.rows.begin(), results.rows.end(),
                                      [](const StudyRow& row) { return row.control; });

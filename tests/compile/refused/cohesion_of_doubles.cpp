@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// refused: the cohesion model works on one double, but not on a pack of lanes
+// refused: the cohesion model compiles for double, but not for a pack of lanes
 #include "scene.hpp"
 
 /// A pull of one contact alone.

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// refused: the drag law works on double and float, but not on a pack of lanes
+// refused: the drag law compiles for double and float, but not for a pack of lanes
 #include <silt/fluid.hpp>
 
 /// For scalars alone.

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// refused: an argument of CoupledFlow is one too many, or nothing that it takes
+// refused: an argument of CoupledFlow is of a wrong type, or there is one too many
 #include <silt/fluid.hpp>
 
 inline auto fluid([[maybe_unused]] const silt::FlowSolver& flow) {

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// refused: FollowedDrag does not know a virtual mass
+// refused: FollowedDrag does not support a virtual mass
 #include <silt/fluid.hpp>
 
 #if defined(SILT_MENDED)

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// refused: Contacts<Law>: Law is no ContactLaw; its contract is in silt/contact/concept.hpp
+// refused: Contacts<Law>: Law is not a ContactLaw; its contract is in silt/contact/concept.hpp
 #include "scene.hpp"
 
 /// Has materials, but no force.

@@ -6,7 +6,7 @@
 // refused: a module has one update()
 // refused: a module's update() takes its Fields by value or as const
 // refused: a module's `exchanged` must point to a double of its Fields
-// refused: a module in which something flows has both `exchanged` and flux()
+// refused: a module with a flux has both `exchanged` and flux()
 // refused: a module's flux() does not fit
 // refused: a module's at_wall() does not fit
 // refused: the Fields of a module are doubles and silt::Vec3d alone

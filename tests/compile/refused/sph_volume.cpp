@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// refused: Sph: UnresolvedGrains keep volume by the voidage; leave RestoredVolume out
+// refused: Sph: UnresolvedGrains conserves volume by the void fraction; leave out RestoredVolume
 #include <silt/silt.hpp>
 #include <silt/sph.hpp>
 

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// refused: take an equivalence whose unit is that of the strength
+// refused: use an equivalence with the unit of the strength
 #include <silt/breakage/equivalence.hpp>
 #include <silt/breakage/selection.hpp>
 #include <silt/breakage/strength.hpp>

@@ -12,21 +12,21 @@ namespace silt::inline SILT_TARGET {
 /// Two closed forms for the force of a liquid bridge.
 enum class BridgeForce { Willett, Rabinovich };
 
-/// A pendular liquid bridge of constant volume: forms when spheres touch, breaks at a gap H_c.
+/// Pendular liquid bridge of constant volume: it forms when spheres touch and breaks at a gap H_c.
 ///
-///   R = 2 R*: of equal spheres; unequal ones and walls after Derjaguin                         (1)
+///   R = 2 R*: equal spheres; unequal spheres and walls by Derjaguin's approximation           (1)
 ///   Willett:    F = 2 pi R g cos th/(1 + 1.05 X + 2.5 X^2),  X = H sqrt(R/V)                  (2)
 ///   Rabinovich: F = 2 pi R g [cos th (1 - H/S) + sin a sin(th + a)],                          (3)
 ///               S = sqrt(H^2 + 2 V/(pi R)), a = sqrt((S - H)/R)
 ///   H_c = (1 + th/2) V^(1/3)                                                                   (4)
 ///
-/// (3) is written so that it has a value at H = 0: 1 - H/S is 1/(1 + H/(2 d_sp)) of the source.
+/// (3) is written in a form that is finite at H = 0: 1 - H/S is 1/(1 + H/(2 d_sp)) of the source.
 ///
 /// Source: (2) C. D. Willett et al., Langmuir 16 (2000) 9396, eq. 12 (the short form); (3) Ya. I.
 ///         Rabinovich et al., Langmuir 21 (2005) 10992; (4) G. Lian et al., J. Colloid Interface
-///         Sci. 161 (1993) 138. Recalled, the print was not read.
-/// Valid:  V < 0.001 R^3 ((2): a few % then, to 25 % near H_c); no gravity, no flow of liquid from
-///         bridge to bridge, no viscosity.
+///         Sci. 161 (1993) 138. Recalled: the print was not read.
+/// Valid:  V < 0.001 R^3, where (2) errs by a few %, up to 25 % near H_c. No gravity, no viscosity,
+///         no liquid flow from bridge to bridge.
 /// Units:  SI. Shapes: Real = double or batch, lane = pair. History: 1 Real (Cohesive keeps it).
 /// Errors: InputError naming field, value, unit and allowed range.
 /// Tests:  tests/contact/cohesion.cpp, tests/physics/cohesion.cpp.

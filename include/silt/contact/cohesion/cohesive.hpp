@@ -11,19 +11,18 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A cohesion model adds an attraction to the force of a contact law. Needs
+/// Cohesion model: adds an attraction to the force of a contact law. Required:
 ///   struct Pair                            what the user sets of two materials, like or unlike
 ///   template <class Real> struct Coefficients     what the kernel needs: Reals only
 ///   static Coefficients<double> mix(const Pair&)
 ///   static Real attraction(Contact<Real>, Coefficients<Real>)    [N] >= 0, a pure function
 ///   static void check(const Pair&)         throws InputError
 /// Optional:
-///   static Real range(Coefficients<Real>, Real R_eff)    [m] if it acts beyond touch, see
-///     ContactLaw
-///   static constexpr bool forms_at_touch = true          it begins at touch, ends at its range
-///   static double passing_time(Coefficients<double>, double speed)    [s] for the time step: in
-///     which the attraction changes from naught to all
-/// As in a contact law, attraction() and range() run on packs of lanes: select() and no `if`.
+///   static Real range(Coefficients<Real>, Real R_eff)    [m] beyond touch, see ContactLaw
+///   static constexpr bool forms_at_touch = true          forms at touch, ends at its range
+///   static double passing_time(Coefficients<double>, double speed)    [s], for the time step: in
+///     which the attraction changes from zero to its full value
+/// As in a contact law, attraction() and range() run on packs of lanes: use select(), not `if`.
 template <class M>
 concept CohesionModel = std::equality_comparable<typename M::Pair> &&
     requires(const Contact<double>& c, const typename M::template Coefficients<double>& p) {
@@ -35,7 +34,7 @@ namespace detail {
 
 template <class Body>
 struct PairOf {
-  struct type {};  // the body has no values that belong to a pair
+  struct type {};  // the body has no pair values
 };
 template <HasPairValues Body>
 struct PairOf<Body> {
@@ -44,35 +43,35 @@ struct PairOf<Body> {
 
 }  // namespace detail
 
-/// A contact law with an attraction added to its normal force.
+/// Contact law with an attraction added to the normal force.
 ///
 ///   silt::Contacts<silt::Cohesive<silt::HertzMindlin, silt::VanDerWaals>> contacts{
 ///       {.body = glass, .cohesion = {.hamaker = 6.5e-20, .closest = 1e-9, .cutoff = 1e-6}}};
 ///
-///   F_n = body's F_n - attraction. The body's friction sees its own F_n alone: what presses the
-///   bodies together, which is what carries the load and the attraction.
+///   F_n = body's F_n - attraction. Friction of the body uses the body's own F_n, without the
+///   attraction: this is the force that presses the surfaces together, load plus attraction.
 ///
-/// Body may be cohesive itself. Unlike materials need set_pair.
+/// Body may itself be a Cohesive. Unlike materials need set_pair.
+///
 /// Source: B. V. Derjaguin et al., J. Colloid Interface Sci. 53 (1975) 314 (attraction and contact
-///         force simply add up).
-/// Units:  SI. Shapes: Real = double or batch, lane = pair. History: the body's; 1 Real more [-]
-/// for
-///         what forms at touch.
-/// Tests:  tests/contact/cohesion.cpp, tests/physics/cohesion.cpp.
+///         force are added).
 /// Valid:  as the body's law and the cohesion model.
+/// Units:  SI. Shapes: Real = double or batch, lane = pair. History: the body's, and 1 Real [-] for
+///         a model that forms at touch.
 /// Errors: InputError of the body's law and of the cohesion model.
+/// Tests:  tests/contact/cohesion.cpp, tests/physics/cohesion.cpp.
 template <class Body, class Cohesion>
 struct Cohesive {
   static_assert(ContactLaw<Body>,
-                "Cohesive<Body, Cohesion>: Body is no ContactLaw; its contract is "
+                "Cohesive<Body, Cohesion>: Body is not a ContactLaw; its contract is "
                 "in silt/contact/concept.hpp");
   static_assert(CohesionModel<Cohesion>,
-                "Cohesive<Body, Cohesion>: Cohesion is no CohesionModel; its contract is in "
+                "Cohesive<Body, Cohesion>: Cohesion is not a CohesionModel; its contract is in "
                 "silt/contact/cohesion/cohesive.hpp");
 
   struct Material {
     typename Body::Material body;
-    typename Cohesion::Pair cohesion;  // against itself
+    typename Cohesion::Pair cohesion;  // between like bodies
     bool operator==(const Material&) const = default;
   };
   struct Pair {
@@ -94,7 +93,7 @@ struct Cohesive {
   };
   template <class Real>
   struct Attached {
-    Real attached;  // [-] 1: it has formed
+    Real attached;  // [-] 1: the bridge has formed
   };
   template <class Real>
   struct Always {};
@@ -122,7 +121,7 @@ struct Cohesive {
                                 History<Real>& h) {
     static_assert(
         requires { Cohesion::attraction(c, p.cohesion); },
-        "the cohesion model works on one double, but not on a pack of lanes: make attraction() a "
+        "the cohesion model compiles for double, but not for a pack of lanes: make attraction() a "
         "template of Real, as silt/contact/cohesion/cohesive.hpp says, or give "
         "KernelsFor<OneLane>");
     if constexpr (forms_at_touch)
@@ -135,7 +134,7 @@ struct Cohesive {
       return Real(of_body(c, p, h) - pull);
     }
   }
-  /// What cohesion pulls with [N] >= 0, as a part of the normal force, after force().
+  /// Attractive part [N] >= 0 of the normal force, after force().
   template <class Real>
   static SILT_INLINE Real attraction(const Contact<Real>& c, const Coefficients<Real>& p,
                                      [[maybe_unused]] const History<Real>& h) {
@@ -175,7 +174,7 @@ struct Cohesive {
     else
       return select(c.overlap > Real(0), max(of_body, Real(0)), Real(0));
   }
-  /// The body's springs; attractions are not among them.
+  /// The body's springs; attractions store no energy.
   template <class Real>
   static SILT_INLINE Stored<Real> stored(
       const Contact<Real>& c, const Coefficients<Real>& p,
@@ -205,7 +204,7 @@ struct Cohesive {
   }
 
  private:
-  /// Where the attraction acts.
+  /// Lanes in which the attraction acts.
   template <class Real>
   static SILT_INLINE Mask<Real> near(const Contact<Real>& c, const Coefficients<Real>& p) {
     if constexpr (far_cohesion)
@@ -219,7 +218,7 @@ struct Cohesive {
     if constexpr (!far_body) touch.overlap = max(c.overlap, Real(0));
     return touch;
   }
-  /// The body's answer and its history, nothing where it does not act.
+  /// Force and history of the body, zero where it does not act.
   template <class Real>
   static SILT_INLINE auto of_body(const Contact<Real>& c, const Coefficients<Real>& p,
                                   History<Real>& h) {

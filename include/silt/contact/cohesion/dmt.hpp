@@ -7,11 +7,11 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Adhesion of small, stiff spheres: while they touch they attract each other with
+/// Adhesion of small, stiff spheres (DMT). While they touch, they attract each other with
 ///
 ///   F = 2 pi w R*                                                                            (1)
 ///
-/// and part where this is the pull. For large, soft ones: Jkr.
+/// which is also the pull-off force. For large, soft spheres use Jkr.
 ///
 /// Source: B. V. Derjaguin, V. M. Muller, Yu. P. Toporov, J. Colloid Interface Sci. 53 (1975) 314.
 /// Valid:  Tabor parameter (R* w^2/(E*^2 z0^3))^(1/3) < 0.1, z0 about 0.3 nm: tabor_parameter().

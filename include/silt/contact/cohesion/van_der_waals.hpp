@@ -5,25 +5,24 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Van der Waals attraction of two spheres, or a sphere and a plane, that are near to each other.
+/// Van der Waals attraction of two close spheres, or of a sphere and a plane.
 ///
-///   F = A R*/6 (1/h^2 - 1/h_c^2), h = max(gap, h_0); 0 beyond the cutoff h_c (1)
+///   F = A R*/6 (1/h^2 - 1/h_c^2), h = max(gap, h_0); 0 beyond the cutoff h_c                  (1)
 ///
-/// In contact F stays at its value at h_0, the distance to which the bodies' atoms come. The second
-/// term shifts the force to 0 at the cutoff, so that it does not jump.
+/// In contact F keeps its value at h_0, the closest distance of the surface atoms. The second term
+/// shifts the force to 0 at the cutoff, which avoids a jump.
 ///
 /// Source: H. C. Hamaker, Physica 4 (1937) 1058, for h << R*; B. V. Derjaguin, Kolloid-Z. 69 (1934)
 ///         155 (R* of unequal spheres).
-/// Valid:  gap well below the radius: of equal spheres the first term of (1) is 1.02 times
-/// Hamaker's
-///         full sum at h = R/100, 1.22 times at R/10. No retardation (h < 100 nm or so). A step
-///         must be short against closest/speed: the time step that silt chooses is.
+/// Valid:  gap well below the radius: for equal spheres the first term of (1) is 1.02 times
+///         Hamaker's full sum at h = R/100, 1.22 times at R/10. No retardation (h < 100 nm or so).
+///         A step must be short against closest/speed; the time step chosen by silt is.
 /// Units:  SI. Shapes: Real = double or batch, lane = pair. History: none.
 /// Errors: InputError naming field, value, unit and allowed range.
 /// Tests:  tests/contact/cohesion.cpp, tests/physics/cohesion.cpp.
 struct VanDerWaals {
   struct Pair {
-    double hamaker = 0;     // [J] A >= 0; of two unlike materials often taken as sqrt(A1 A2)
+    double hamaker = 0;     // [J] A >= 0; for two unlike materials often sqrt(A1 A2)
     double closest = 1e-9;  // [m] h_0 > 0; 0.165e-9 ... 0.4e-9 between smooth bodies, more if rough
     double cutoff = 1e-6;   // [m] h_c > h_0
     bool operator==(const Pair&) const = default;
@@ -48,7 +47,7 @@ struct VanDerWaals {
   static SILT_INLINE Real range(const Coefficients<Real>& p, const Real&) {
     return p.cutoff;
   }
-  /// The force falls to a ninth over two of the closest distances.
+  /// The force falls to one ninth over a distance of twice `closest`.
   static double passing_time(const Coefficients<double>& p, double speed) {
     return 2 * p.closest / speed;
   }

@@ -6,20 +6,20 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A couple of constant size against the relative rolling velocity (model A).
+/// Rolling resistance of constant size against the relative rolling velocity (model A).
 ///
 ///   M = -mu_r R* F_n w/|w|, w = w_i - w_j in the tangent plane                                (1)
 ///
-/// Slow rotations, that a few steps would turn round, are damped over 8 steps instead: it comes to
-/// rest without chatter, but has no couple at rest. On a slope it creeps, at some 8 dt g sin(th);
-/// what must stand there needs RollingEpsd.
+/// Rotations so slow that the couple would reverse them within a few steps are damped over 8 steps
+/// instead. A sphere then comes to rest without chatter, but there is no couple at rest. On a slope
+/// it creeps at about 8 dt g sin(th). Spheres that must rest on a slope need RollingEpsd.
 ///
 /// Source: Y. C. Zhou et al., Physica A 269 (1999) 536, eq. 7; J. Ai et al., Powder Technol. 206
 ///         (2011) 269, model A.
 /// Units:  SI. Shapes: Real = double or batch, lane = pair. History: none.
 /// Errors: InputError naming field, value, unit and allowed range.
 /// Tests:  tests/contact/rolling_models.cpp, tests/physics/rolling_models.cpp.
-/// Valid:  spheres that roll; for those that must come to rest on a slope RollingEpsd.
+/// Valid:  spheres that roll; use RollingEpsd for spheres that must rest on a slope.
 struct RollingDirectional {
   static constexpr bool is_rolling_model = true;
   struct Pair {

@@ -6,13 +6,14 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Elastic-plastic spring-dashpot rolling resistance (model C): holds a grain at rest on a slope.
+/// Elastic-plastic spring-dashpot rolling resistance (model C). Holds a particle at rest on a
+/// slope.
 ///
 ///   M <- M - k_r w dt, |M| <= M_m = mu_r R* F_n,  k_r = 2.25 k_n mu_r^2 R*^2                 (1)
 ///   M_d = -C_r w while |M| < M_m, C_r = 2 eta_r sqrt(I_r k_r)                                (2)
 ///
-/// As k_r falls, M falls with it (silt's addition, as HertzMindlin does): a spring that kept its
-/// couple would hold energy that nobody gave it.
+/// When k_r falls, M is reduced in proportion (silt's addition, as in HertzMindlin). Otherwise the
+/// spring would gain energy without work.
 ///
 /// Source: J. Ai et al., Powder Technol. 206 (2011) 269, eqs. 20-29; K. Iwashita, M. Oda 1998.
 /// Valid:  spheres; w = relative rolling velocity w_i - w_j in the tangent plane.

@@ -6,20 +6,21 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A couple against each partner's own rotation (model D), to compare with codes that have it.
+/// Rolling resistance against each partner's own rotation (model D), for comparison with codes that
+/// use it.
 ///
 ///   M_i = -mu_r F_n R_i w_i/|w_i|, M_j = -mu_r F_n R_j w_j/|w_j|                              (1)
 ///
-/// Neither opposite nor objective: two spheres that turn together as one body are braked, and
-/// angular momentum is lost. Slow rotations are damped over 8 steps instead, as with
-/// RollingDirectional, which is what to use otherwise.
+/// The couples are neither opposite nor objective: two spheres that rotate together as one body are
+/// braked, and angular momentum is lost. Slow rotations are damped over 8 steps as in
+/// RollingDirectional. Use RollingDirectional unless you compare with another code.
 ///
 /// Source: EDEM's standard rolling friction, as in the table of document 001 (the unit vector is
 ///         missing there); J. Ai et al., Powder Technol. 206 (2011) 269, model D.
 /// Units:  SI. Shapes: Real = double or batch, lane = pair. History: none.
 /// Errors: InputError naming field, value, unit and allowed range.
 /// Tests:  tests/contact/rolling_models.cpp, tests/physics/rolling_models.cpp.
-/// Valid:  spheres, to compare with codes that have this model.
+/// Valid:  spheres, for comparison with codes that use this model.
 struct RollingOwn {
   static constexpr bool is_rolling_model = true;
   static constexpr bool of_own_rotation = true;

@@ -10,18 +10,18 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Resistance of a contact area to twisting about its normal: elastic until the area slides.
+/// Resistance to twisting about the contact normal: elastic until the contact area slides.
 ///
 ///   M <- M - k_w w_n dt, |M| <= M_m = 3 pi/16 mu_w a F_n, a = sqrt(R* d), k_w = S_n a^2       (1)
 ///   M_d = -2 eta sqrt(I k_w) w_n, |M + M_d| <= M_m, I = (1/I_i + 1/I_j)^-1                     (2)
 ///
-/// M_m is Coulomb's friction under Hertz' pressure; mu_w is then the friction of the surfaces. As
-/// k_w falls, M falls with it, so that no energy is made.
+/// M_m is the torque of Coulomb friction under Hertz pressure if mu_w is the friction of the
+/// surfaces. When k_w falls, M is reduced in proportion; no energy is created.
 ///
 /// Source: J. L. Lubkin, J. Appl. Mech. 18 (1951) 183 (M_m); E. Reissner, H. F. Sagoci, J. Appl.
-///         Phys. 15 (1944) 652: 16/3 G a^3 of one body, so 4/3 (1 - nu) S_n a^2 of two alike, which
-///         is (1) at nu = 1/4 and within a third of it at all nu.
-/// Valid:  spheres; a of Hertz, whatever the law.
+///         Phys. 15 (1944) 652: 16/3 G a^3 for one body, thus 4/3 (1 - nu) S_n a^2 for two equal
+///         bodies. This is (1) at nu = 1/4, and within a third of it at all nu.
+/// Valid:  spheres; a is Hertz' contact radius for every contact law.
 /// Units:  SI. Shapes: Real = double or batch, lane = pair. History: 1 Real [N m].
 /// Errors: InputError naming field, value, unit and allowed range.
 /// Tests:  tests/contact/rolling_models.cpp, tests/physics/rolling_models.cpp.
@@ -65,14 +65,14 @@ struct Twisting {
   }
 };
 
-/// Two rolling models at once, mostly one against rolling and one against twisting:
+/// Two rolling models together, usually one for rolling and one for twisting:
 ///   silt::Contacts<silt::HertzMindlin, silt::Both<silt::RollingEpsd, silt::Twisting>> contacts{
 ///       glass, {{.rolling_friction = 0.1}, {.twisting_friction = 0.4}}};
 ///
-/// Source: none: the couples of both are added.
-/// Valid:  as its two models.
+/// Source: none: the couples of both models are added.
+/// Valid:  as both models.
 /// Units:  SI. History: those of both.
-/// Errors: those of both; RollingOwn is refused at compile time.
+/// Errors: those of both models; RollingOwn is refused at compile time.
 /// Tests:  tests/contact/rolling_models.cpp, tests/physics/rolling_models.cpp.
 template <class First, class Second>
 struct Both {

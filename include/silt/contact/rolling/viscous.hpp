@@ -6,20 +6,21 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A couple that grows with the rolling speed (model B): none at rest.
+/// Rolling resistance proportional to the rolling speed (model B); zero at rest.
 ///
 ///   M = -mu_v R* F_n |v_w| w/|w|, v_w = (R_i w_i + R_j w_j) x n, w = w_i - w_j in the tangent
 ///   plane                                                                                     (1)
 ///
-/// v_w is the source's w_i x R_i n - w_j x R_j n_j with n_j = -n. It is 0 where two equal spheres
-/// roll on each other like gears, which feel nothing; a wall's own rotation is not in it.
+/// v_w is the source's w_i x R_i n - w_j x R_j n_j with n_j = -n. It is 0 for two equal spheres
+/// that roll on each other like gears, which are not braked. It does not include the rotation of a
+/// wall.
 ///
 /// Source: Y. C. Zhou et al., Physica A 269 (1999) 536, eq. 8; J. Ai et al., Powder Technol. 206
 ///         (2011) 269, model B.
 /// Units:  SI. Shapes: Real = double or batch, lane = pair. History: none.
 /// Errors: InputError naming field, value, unit and allowed range.
 /// Tests:  tests/contact/rolling_models.cpp, tests/physics/rolling_models.cpp.
-/// Valid:  spheres that roll; nothing is held at rest.
+/// Valid:  spheres that roll; no particle is held at rest.
 struct RollingViscous {
   static constexpr bool is_rolling_model = true;
   struct Pair {

@@ -7,20 +7,20 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What averaging knows of a body's form: points that fill it, and how far it reaches.
+/// Shape of a body for averaging: points that fill it, and its extent.
 ///
 ///   const silt::AveragedForm form = silt::averaged_form(silt::SuperEllipsoid{2e-3, 1e-3, 1e-3},
 ///   100);
 ///
 /// Lengths are in radii of the sphere of equal volume, in the principal frame, about the centroid.
-/// Points are quasi-random (additive recurrence with powers of the root of g^4 = g + 1), all of
-/// equal weight, and are shifted so that their centroid is the body's: what is spread has the right
-/// first moment on average.
+/// Points are quasi-random (additive recurrence with powers of the root of g^4 = g + 1) with equal
+/// weights. They are shifted to give the body's centroid; the distributed quantities then have the
+/// right first moment on average.
 ///
-/// gauge(x) is how often the body, blown up about its centroid, must be enlarged to reach x: exact
-/// for super-ellipsoids; others are taken as the ellipsoid with their moments of inertia.
-/// Sources: for the sequence, M. Roberts, The unreasonable effectiveness of quasirandom sequences
-///          (2018); gauge: 1 on the surface, of degree one.
+/// gauge(x) is the factor by which the body must be scaled about its centroid to reach x: exact for
+/// super-ellipsoids; other shapes are replaced by the ellipsoid with their moments of inertia. It
+/// is 1 on the surface and homogeneous of degree one.
+/// Sources: sequence: M. Roberts, The unreasonable effectiveness of quasirandom sequences (2018).
 /// Errors:  InputError for fewer than 1 or more than 1e6 points.
 /// Tests:   tests/coupling/averaging_bodies.cpp.
 struct AveragedForm {
@@ -28,7 +28,7 @@ struct AveragedForm {
   Vec3d axes{1, 1, 1};        // [-] semi-axes of the (super-)ellipsoid of the gauge
   double s1 = 2, s2 = 2;      // [-] its exponents
   double smallest_axis = 1;   // [-]
-  /// The gauge is a sphere's (that of a cube is, too): so are kernels.
+  /// The gauge is that of a sphere (also for a cube), and so are kernels.
   bool sphere = false;
 
   bool ellipsoid() const { return s1 == 2 && s2 == 2; }
@@ -47,7 +47,7 @@ inline bool holds_point(const Polyhedron& s, const Vec3d& x) {
     if (dot(face.normal, x) > face.offset) return false;
   return true;
 }
-/// Bounding sphere about the part's origin, and where that is.
+/// Bounding sphere about the part's origin, and position of the origin.
 inline Ball bounding_ball(const Ball& b) { return b; }
 template <class S>
 Ball bounding_ball(const S& s) {
@@ -56,7 +56,7 @@ Ball bounding_ball(const S& s) {
 
 }  // namespace detail
 
-/// The form of any of silt's shapes, with so many interior points.
+/// Averaging form of any of silt's shapes, with this number of interior points.
 template <class S>
 AveragedForm averaged_form(const S& shape, int points = 100) {
   require(points >= 1 && points <= 1000000, "averaged_form: ", points,
@@ -88,7 +88,7 @@ AveragedForm averaged_form(const S& shape, int points = 100) {
           return true;
       return false;
     };
-    // Of g^4 = g + 1: 1/g, 1/g^2, 1/g^3.
+    // Root of g^4 = g + 1: 1/g, 1/g^2, 1/g^3.
     constexpr double step[3]{0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
     const Vec3d e = box.extent();
     Vec3d mean{0, 0, 0};
@@ -108,7 +108,7 @@ AveragedForm averaged_form(const S& shape, int points = 100) {
       form.s1 = shape.s1, form.s2 = shape.s2;
       form.sphere = shape.a == shape.b && shape.b == shape.c && form.ellipsoid();
     } else {
-      // I_x = V/5 (b^2 + c^2) and so on; then to the body's volume.
+      // I_x = V/5 (b^2 + c^2) and so on; then scaled to the body's volume.
       const Vec3d& I = mass.inertia;
       const auto axis = [&](double u, double v, double w) {
         return std::sqrt(std::max(2.5 / mass.volume * (v + w - u), 1e-6 * radius * radius));

@@ -8,17 +8,17 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The cells of one direction that a particle has weights on. What falls on cells low ... high of a
-/// grid without ends is put on count cells from `start` on: it is wrapped where the direction is
-/// periodic, and folded at walls (cell -1 - i on cell i), so that no volume leaves and a uniform
-/// suspension stays uniform next to a wall.
+/// Cells in one direction on which a particle has weights. Weights on cells low ... high of an
+/// unbounded grid are mapped to `count` cells from `start` on: wrapped in periodic directions, and
+/// folded at walls (cell -1 - i to cell i). The volume is conserved, and a uniform suspension
+/// remains uniform at a wall.
 /// Tests: tests/coupling/averaging.cpp.
 struct AxisRange {
-  int low, high;     // on the grid without ends
+  int low, high;     // on the unbounded grid
   int start, count;  // on the grid
   int cells;         // of the grid
   bool periodic;
-  bool bends;  // some of low ... high are beyond an end and the count is not theirs
+  bool bends;  // some of low ... high are beyond an end, and the mapping is not one to one
 
   AxisRange() = default;
   AxisRange(int from, int to, int n, bool wraps)
@@ -40,7 +40,7 @@ struct AxisRange {
   }
 
   int raw() const { return high - low + 1; }
-  /// Which of the count cells gets what falls on cell r of low ... high.
+  /// Index among the `count` cells for cell r of low ... high.
   int place(int r) const {
     if (!bends) return r - low;
     if (periodic) return modulo(r, cells);

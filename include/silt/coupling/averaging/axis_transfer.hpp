@@ -7,29 +7,30 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// How what is in coarse cells is given to the fine ones of the same length, in one direction:
-/// fine f gets T_fc of coarse c. sum_f T_fc = 1: nothing is lost; sum_c T_fc is the ratio of their
-/// sizes: what is uniform stays so. Any two numbers of cells, fine at least as many as coarse.
+/// Transfer from coarse cells to fine cells of the same total length in one direction: fine cell f
+/// gets the share T_fc of coarse cell c. sum_f T_fc = 1 (conservation); sum_c T_fc is the ratio of
+/// their sizes (a uniform field remains uniform). Any numbers of cells with at least as many fine
+/// as coarse ones.
 ///
-///   constant  T_fc = the part of c that lies in f
-///   linear    T_fc = integral over f of the hat function of c, over its own; folded at walls, so
-///             that it is constant from the last centre on
+///   constant  T_fc = the part of c that is in f
+///   linear    T_fc = integral over f of the hat function of c, over its own; folded at walls,
+///             constant beyond the last centre
 ///
-/// The same numbers of cells: 1, whichever was asked for.
+/// With equal numbers of cells T is 1 in both cases.
 struct AxisTransfer {
   struct Part {
     int coarse;
     double weight;
   };
   int fine_cells, coarse_cells;
-  std::vector<int> first;   // part of each fine cell, and their number
-  std::vector<Part> parts;  // fine cell by fine cell
+  std::vector<int> first;   // first part of each fine cell, and their number
+  std::vector<Part> parts;  // by fine cell
   std::vector<int> first_of_coarse;
   struct FinePart {
     int fine;
     double weight;
   };
-  std::vector<FinePart> fine_parts;  // the same, coarse cell by coarse cell
+  std::vector<FinePart> fine_parts;  // the same, by coarse cell
 
   AxisTransfer(int fine, int coarse, bool periodic, bool linear)
       : fine_cells(fine), coarse_cells(coarse) {
@@ -81,7 +82,7 @@ struct AxisTransfer {
   }
 
  private:
-  /// Of the hat 1 - |t| from -1 to u.
+  /// Integral of the hat 1 - |t| from -1 to u.
   static double hat_integral(double u) {
     const double x = std::clamp(u, -1.0, 1.0);
     return 0.5 + x - 0.5 * x * std::abs(x);

@@ -10,7 +10,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Sets to 1 what is within `reach` cells, in each direction, of a cell that is not 0.
+/// Sets to 1 all cells within `reach` cells, in each direction, of a cell that is not 0.
 inline void widen(CellField& marks, const std::array<int, 3>& reach) {
   const Grid& g = marks.grid();
   const auto& n = g.cells();
@@ -38,29 +38,30 @@ inline void widen(CellField& marks, const std::array<int, 3>& reach) {
   }
 }
 
-/// Factors b of cells' openness o that leave a uniform cloud beside walls uniform.
+/// Factors b on the open shares o of cells that keep a uniform cloud uniform at walls.
 ///
-/// Weights that add up to 1 for each particle, phi_pc o_c / sum_c phi_pc o_c, are not yet fair to
-/// the cells: few particles see those at walls, which stay too empty by a quarter. With b
+/// With weights normalised per particle, phi_pc o_c / sum_c phi_pc o_c, cells at walls get a
+/// quarter too little, because fewer particles have them in range. With b
 ///
 ///   w_pc = phi_pc o_c b_c / sum_c phi_pc o_c b_c,   sum_s V_s w_sc = V o_c                   (1)
 ///
-/// for the samples s of a uniform cloud as well: eight a cell, each with the volume V_s that is
-/// open of its eighth, which is taken to be linear between cells; one, where they reach over
-/// several cells. Both sums are met in turns. Cells from which no wall is seen have b = 1.
+/// also for the samples s of a uniform cloud: eight per cell, each with the open volume V_s of its
+/// octant, interpolated linearly between cells; one per cell if weights extend over several cells.
+/// The two conditions are satisfied alternately. Cells far from walls have b = 1.
 /// Source: R. Sinkhorn, P. Knopp, Pacific J. Math. 21 (1967) 343.
 /// Tests:  tests/coupling/averaging_walls.cpp.
 class Balance {
  public:
   static constexpr int turns = 4;
-  static constexpr double least = 0.1;  // b, and 1/b; of corners that no turn would fill
+  static constexpr double least = 0.1;  // bound of b and 1/b, for corners that no iteration would
+                                        // fill
 
-  /// Opens the cells of `on`; `fine`: the share of the fluid's cells, `open`: of those of `on`,
-  /// maybe another grid. source_of(particles) is what Stencils::place takes; `diameter` [m] of
-  /// particles. Returns b; the weights of cells are then o b.
+  /// Opens the cells of `on`. `fine`: open share of the fluid's cells; `open`: of the cells of
+  /// `on`, which may be another grid. source_of(particles) is the argument of Stencils::place;
+  /// `diameter` [m] of particles. Returns b; the weights of cells are then o b.
   template <class SourceOf>
   static CellField open(Stencils& on, const CellField& fine, const CellField& open, double diameter,
-                    const SourceOf& source_of, const Team& team) {
+                        const SourceOf& source_of, const Team& team) {
     on.open(open);
     Balance balance(fine, open, diameter);
     if (!balance.find_near(source_of)) return balance.b_;
@@ -110,7 +111,7 @@ class Balance {
     return fine_.grid().centre(i, j, k) + Vec3d{by.x * h.x, by.y * h.y, by.z * h.z};
   }
 
-  /// Cells that have a factor, and those whose samples these are seen from; whether there are any.
+  /// Cells with a factor, and the cells of samples in their range; returns whether there are any.
   template <class SourceOf>
   bool find_near(const SourceOf& source_of) {
     std::array<int, 3> reach{};
@@ -135,7 +136,7 @@ class Balance {
     return any;
   }
 
-  /// What is open of each eighth of a cell, in cells.
+  /// Open volume of each octant of a cell, in cells.
   std::array<double, eighths> open_eighths(int i, int j, int k) const {
     const Grid& g = fine_.grid();
     std::array<double, eighths> part{};
@@ -160,8 +161,8 @@ class Balance {
     return part;
   }
 
-  /// sum_s V_s phi_sc / seen_s of the samples, in volumes of a fine cell; of all that there would
-  /// be without walls.
+  /// sum_s V_s phi_sc / seen_s over the samples, in volumes of a fine cell; `all`: as without
+  /// walls.
   template <class SourceOf>
   void add_samples(bool all, Stencils& stencils, const SourceOf& source_of, CellField& sum,
                    const Team& team) const {

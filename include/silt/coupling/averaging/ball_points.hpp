@@ -11,9 +11,9 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// N points of equal weight that fill the unit ball: Fibonacci lattices on shells, whose points are
-/// as many as their volume asks for, at the radius of the shell's mean square; shifted to the
-/// centre.
+/// N points of equal weight that fill the unit ball: Fibonacci lattices on shells. The number of
+/// points of a shell is proportional to its volume, and they are at the shell's root mean square
+/// radius; shifted to the centre.
 inline std::vector<Vec3d> ball_points(int n) {
   if (n == 1) return {{0, 0, 0}};
   const int shells = std::max(1, static_cast<int>(std::lround(std::cbrt(n / 8.0))));

@@ -10,42 +10,40 @@
 #include <silt/coupling/averaging/averaged_particles.hpp>
 #include <silt/fluid/grid.hpp>
 
-/// Averaging between particles and the cells of a Grid: what every coupling mode is made of.
+/// Averaging between particles and the cells of a Grid, the basis of every coupling mode.
 ///
-/// A mode (Unresolved, TwoGrid, Kernel, Diffusion) gives weights w_pc >= 0 of particle p on cell c
-/// with sum_c w_pc = 1, and with them
+/// A mode (Unresolved, TwoGrid, Kernel, Diffusion) defines weights w_pc >= 0 of particle p on cell
+/// c with sum_c w_pc = 1, and with them
 ///
-///   spread:  f_c = sum_p w_pc q_p      volume V_p -> solids volume of the cell, K_p, K_p v_p,
-///   forces gather:  g_p = sum_c w_pc f_c      fluid velocity, grad p, void fraction at the
-///   particle
+///   spread:  f_c = sum_p w_pc q_p      volume V_p -> solids volume of the cell, K_p, K_p v_p, F
+///   gather:  g_p = sum_c w_pc f_c      fluid velocity, grad p, void fraction at the particle
 ///
-/// the one the adjoint of the other, <spread q, f> = <q, gather f>: what the particles give the
-/// fluid gets, to rounding. Periodic directions wrap. Nothing is given to blocked cells: a
-/// particle's weights are normalised over its open cells.
+/// The two are adjoint, <spread q, f> = <q, gather f>: the exchange is conservative to rounding.
+/// Periodic directions wrap. Blocked cells get nothing: a particle's weights are normalised over
+/// its open cells.
 namespace silt::inline SILT_TARGET {
 
-/// One number a particle, per quantity; one CellField, per quantity.
+/// For each quantity: one number per particle; one CellField.
 using Quantities = std::span<const std::span<const double>>;
-/// What gather() writes: one number a particle, per quantity.
+/// Output of gather(): for each quantity one number per particle.
 using GatheredValues = std::span<const std::span<double>>;
-/// Fields that spread() sets.
+/// Output of spread().
 using CellFields = std::span<CellField* const>;
-/// Fields that gather() reads.
+/// Input of gather().
 using ConstCellFields = std::span<const CellField* const>;
 
-/// A mode is what a user sets, with
+/// Averaging mode: the user's settings, with
 ///   void check() const                  throws InputError, one sentence
-///   using Averaging = ...               the operator, made from (mode, grid, diameter [m]): of the
-///                                       largest particles, in which the mode's widths are given
-/// and the operator has
-///   void open(const CellField& cells, const Team&)      the share of each cell that is open, from
-///   0 to
-///                                                   1; before place()
+///   using Averaging = ...               operator, made from (mode, grid, diameter [m]): that of
+///                                       the largest particles, the unit of widths
+/// The operator has
+///   void open(const CellField& cells, const Team&)      open share of each cell, from 0 to 1;
+///                                                       before place()
 ///   void place(const AveragedParticles&, const Team&)
-///   void spread(Quantities, CellFields, const Team&)        their cells are set, ghosts are not
+///   void spread(Quantities, CellFields, const Team&)        sets cells, not ghosts
 ///   void gather(ConstCellFields, GatheredValues, const Team&)        reads no ghosts
 ///   const AveragingReport& report() const
-/// Results are the same, bit for bit, for every number of threads.
+/// Results are equal, bit for bit, for every number of threads.
 template <class M>
 concept AveragingMode =
     std::constructible_from<typename M::Averaging, const M&, const Grid&, double> &&
@@ -74,8 +72,8 @@ inline double total(const CellField& field) {
   return sum;
 }
 
-/// The solids volume [m3] by which cells exceed what a least void fraction leaves for it: what an
-/// engine that sets eps = max(1 - solids/V_cell, least) leaves out.
+/// Solids volume [m3] in excess of the minimum void fraction, which is clipped by eps = max(1 -
+/// solids/V_cell, least).
 inline double clipped_solids(const CellField& solids, double least_void_fraction) {
   const Grid& g = solids.grid();
   const double most = (1 - least_void_fraction) * g.cell_volume();
@@ -112,7 +110,7 @@ inline void check_particles(const AveragedParticles& of, const Grid& grid) {
             p, " must be less than the number of forms, ", of.forms.size());
 }
 
-/// Refuses fields and quantities that do not belong together.
+/// Refuses fields and quantities that do not match.
 template <class Columns, class Fields>
 void check_columns(const char* what, const Columns& columns, const Fields& fields, const Grid& grid,
                    std::size_t particles) {

@@ -6,18 +6,19 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Particles give to the cells next to them, and what they gave is smoothed by diffusion: a width
-/// that depends on neither cells nor particles' sizes, at a cost that goes with the cells.
+/// Diffusion averaging: particles distribute to the adjacent cells, and the result is smoothed by
+/// diffusion. The width depends neither on cells nor on particle sizes; the cost is proportional to
+/// the number of cells.
 ///
 ///   d f / d tau = lap f  from 0 to tau = b^2/4, b = width d, in `steps` implicit steps (1)
 ///
-/// A point becomes a Gaussian exp(-x^2/b^2) of standard deviation b/sqrt(2), the nearer the more
-/// steps. No flux through walls and blocked cells; sums are kept. What is gathered goes through the
+/// A point becomes a Gaussian exp(-x^2/b^2) with the standard deviation b/sqrt(2), more accurately
+/// with more steps. No flux through walls and blocked cells; sums are conserved. gather uses the
 /// adjoint of the same steps (line_diffusion.hpp).
 ///
-///   Share     Hat - linear between the eight centres around a particle, for bodies too; Exact -
-///   the
-///             volumes in common, of spheres. Neither jumps in time, as that of the centre would.
+///   Share     Hat - linear between the eight centres around a particle, also for bodies; Exact -
+///             the common volumes, for spheres. Both are continuous in time, unlike the cell of the
+///             centre.
 /// Source: R. Sun, H. Xiao, Int. J. Multiphase Flow 77 (2015) 142 (b about 6 d).
 /// Errors: check(): InputError for a width outside (0, 1000] or steps outside [1, 1000]; place():
 ///         for bodies with Share::Exact.
@@ -65,8 +66,7 @@ class Diffusion::Averaging {
     const std::size_t n = particles.position.size();
     if (mode_.share == Share::Hat)
       return stencils_.place(n, detail::hat_shares(grid())(particles), team);
-    require(particles.forms.empty(),
-            "Diffusion: Share::Exact is of spheres alone; take Share::Hat");
+    require(particles.forms.empty(), "Diffusion: Share::Exact is for spheres only; use Share::Hat");
     stencils_.place(n, detail::exact_shares(grid())(particles), team);
   }
   void spread(Quantities q, CellFields f, const Team& team = {}) {

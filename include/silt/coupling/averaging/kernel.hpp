@@ -6,36 +6,38 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A particle's share of cells is that of a smooth kernel around it, wider than a cell: for cells
-/// of any size, and the mode whose void fraction has no noise in time.
+/// Kernel averaging: a particle is distributed with a smooth kernel wider than a cell. Suits cells
+/// of any size; the only mode whose void fraction has no noise in time.
 ///
 ///   Form::Compact   K = B(x) B(y) B(z), B(x) = 15/16 (1 - x^2/R^2)^2 / R inside R, integrated over
 ///                   the cells (a polynomial): R = width d, at least 1.5 h (1)
 ///   Form::Gaussian  K = G(x) G(y) G(z), G = exp(-x^2/(2 s^2)) - exp(-9/2) inside 3 s, at the
-///   cells'
-///                   centres, s = width d, at least h/2 (2)
+///                   cells' centres, s = width d, at least h/2 (2)
 ///   bodies          K = (1 - q^2)^2 or exp(-9/2 q^2) - exp(-9/2), at the cells' centres, with
 ///                   q = g(x) r/R, R of (1) or 3 s of (2): R and s are enlarged in each direction
 ///                   by the body's extent in radii r of the sphere of its volume (3)
 ///
-/// Weights are normalised: the volume is exact. d is a sphere's diameter, or that of the sphere of
-/// a body's volume; g its gauge (AveragedForm). At walls kernels are folded. Products of factors
-/// need little memory, and B, integrated, is the smoother in its cells. Second moments are
-/// isotropic (standard deviation 0.378 R of B); of the fourth, <x^4>/(3 <x^2 y^2>) is 0.78 of B and
-/// 0.91 of the cut Gaussian, 1 if isotropic: along diagonals tails reach out by up to sqrt(3) R.
+/// Weights are normalised; the volume is exact. d is a sphere's diameter, for a body that of the
+/// sphere of equal volume; g is the body's gauge (AveragedForm). Kernels are folded at walls.
+/// Products of factors need little memory. The integrated B is smoother within cells. Second
+/// moments are isotropic (standard deviation 0.378 R for B). The ratio <x^4>/(3 <x^2 y^2>), 1 if
+/// isotropic, is 0.78 for B and 0.91 for the cut Gaussian: along diagonals tails extend up to
+/// sqrt(3) R.
 ///
-/// Deviations: the review's Gaussian jumps at its cut by exp(-9/2), which d eps/dt would see as
-/// noise; here it is lowered by that. Minimal widths: below them a kernel would be a jump of the
-/// cell's own. Memory: spheres 100 to 350 bytes (cells across 3 to 15), bodies 8 bytes a cell.
+/// Deviations: the review's Gaussian jumps at its cut by exp(-9/2), which appears as noise in d
+///             eps/dt; here it is lowered by this value. The minimum widths prevent kernels
+///             narrower than a cell. Memory: spheres 100 to 350 bytes (3 to 15 cells across),
+///             bodies 8 bytes per cell.
 /// Source: H. Ma et al., Powder Technol. 412 (2022) 117972 (2), and (3) as exponent -g(x)^2/(2
-/// k^2), k = s/r; (1) is of our own. Errors: check(): InputError for a width below 0.1 or above 100
-/// diameters. Tests:  tests/coupling/averaging.cpp, averaging_noise.cpp, averaging_bodies.cpp.
+///         k^2), k = s/r; (1) is silt's own.
+/// Errors: check(): InputError for a width below 0.1 or above 100 diameters.
+/// Tests:  tests/coupling/averaging.cpp, averaging_noise.cpp, averaging_bodies.cpp.
 /// Valid:  cells of any size.
 /// Units:  lengths in diameters of the largest particles.
 struct Kernel {
   enum class Form { Compact, Gaussian };
   Form form = Form::Compact;
-  double width = 0;  // [diameters] R of Compact, s of Gaussian; 0: the usual 3 and 1
+  double width = 0;  // [diameters] R of Compact, s of Gaussian; 0: default 3 and 1
 
   void check() const {
     require(width == 0 || (width >= 0.1 && width <= 100), "Kernel.width = ", width,
@@ -137,7 +139,7 @@ class Kernel::Source {
   }
 
  private:
-  /// Null: a sphere.
+  /// Null for a sphere.
   const AveragedForm* form_of(std::size_t p) const {
     if (of_.forms.empty()) return nullptr;
     const AveragedForm& body = of_.forms[of_.form.empty() ? 0 : of_.form[p]];
@@ -146,7 +148,7 @@ class Kernel::Source {
   double reach_in_cells(std::size_t p, std::size_t d) const {
     return std::max(per_radius_ * of_.radius[p] * frame_.inverse(d), 1.5);
   }
-  /// R or 3 s [m]; where the body is thinnest it is enlarged to 1.5 cells as well.
+  /// R or 3 s [m], at least 1.5 cells in the thinnest direction of the body.
   double body_reach(std::size_t p, const AveragedForm& body) const {
     const double h = std::max({frame_.h(0), frame_.h(1), frame_.h(2)});
     return std::max(per_radius_ * of_.radius[p], 1.5 * h / body.smallest_axis);

@@ -8,17 +8,17 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Implicit diffusion of cell fields, direction by direction (locally one-dimensional): one step is
+/// Implicit diffusion of cell fields, direction by direction (locally one-dimensional). A step is
 ///
 ///   f <- (s + k L_z)^-1 s (s + k L_y)^-1 s (s + k L_x)^-1 s f,   k = D dt / h^2 of the direction
 ///   (1)
 ///
-/// with s the share of each cell that is open, and L the second difference without flux through
-/// walls and blocked cells, wrapped where the direction is periodic. Each factor keeps what is
-/// uniform, is positive, and symmetric in the product sum s f g, so that it keeps the sum of s f;
-/// the product's adjoint in it is that in the opposite order. A line is solved by elimination;
-/// where it is periodic, its closing bond, k w w^T with w = e_first - e_last, is added by Sherman's
-/// and Morrison's formula.
+/// with s the open share of each cell, and L the second difference without flux through walls and
+/// blocked cells, wrapped in periodic directions. Each factor keeps uniform fields uniform, is
+/// positive, and is symmetric in the product sum s f g; therefore it conserves the sum of s f. The
+/// adjoint of the whole product in it is the product in the opposite order. A line is solved by
+/// elimination; in periodic directions the closing term k w w^T with w = e_first - e_last is added
+/// by the Sherman-Morrison formula.
 ///
 /// Source: N. N. Yanenko, The method of fractional steps (1971). Values in ghosts are lost.
 /// Tests:  tests/coupling/averaging_diffusion.cpp.
@@ -52,8 +52,8 @@ class LineDiffusion {
  private:
   using Pack = detail::StencilPack;
 
-  /// Of the cells: f_i inverse + lower f_(i-1), then + upper f_(i+1), then - closing (f_0 -
-  /// f_last). Rows of all x; the same for all lines, or one each.
+  /// For the cells: f_i inverse + lower f_(i-1), then + upper f_(i+1), then - closing (f_0 -
+  /// f_last). Rows of all x; common to all lines, or one per line.
   struct Axis {
     AlignedVector<double> inverse, lower, upper, closing;
     std::size_t of_j = 0, of_k = 0;  // from row to row
@@ -63,7 +63,7 @@ class LineDiffusion {
     double inverse, lower, upper, closing;
   };
 
-  /// The coefficients of one line of n cells, of which share(m) is open.
+  /// Coefficients of one line of n cells with the open shares share(m).
   template <class Share, class Set>
   static void factorise(int n, bool periodic, double k, const Share& share, const Set& set) {
     const auto open = [&](int m) { return share(m) > 0; };
@@ -103,7 +103,7 @@ class LineDiffusion {
       const std::size_t size = each ? row * static_cast<std::size_t>(n[1] * n[2])
                                     : row * static_cast<std::size_t>(d == 0 ? 1 : n[d]);
       for (auto* a : {&axis.inverse, &axis.lower, &axis.upper, &axis.closing}) a->assign(size, 0.0);
-      // Lines of d; those of the other directions once if they are all the same.
+      // Lines of d; those of the other directions once if they are all equal.
       const int e = (d + 1) % 3, g = (d + 2) % 3;
       for (int b = 0; b < (each || g == 0 ? n[g] : 1); ++b)
         for (int a = 0; a < (each || e == 0 ? n[e] : 1); ++a) {
@@ -141,7 +141,7 @@ class LineDiffusion {
     return static_cast<std::size_t>(j) * a.of_j + static_cast<std::size_t>(k) * a.of_k;
   }
 
-  /// Rows in blocks: each waits for its own last result only.
+  /// Rows in blocks: each depends only on its own last result.
   void along_x(CellField& f, int k) const {
     if (grid_.nx() < 2 || k_[0] == 0) return;
     constexpr int block = 8;

@@ -13,14 +13,14 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Planes that a particle reaches: `count` from `first` on, wrapped; none: 0.
+/// Planes in the range of a particle: `count` from `first` on, wrapped; none: 0.
 struct Planes {
   int first, count;
 };
 
-/// Which particles reach which slab of planes of a grid, in their order. Slabs of five fields fit a
-/// core's own cache, and there are enough of them for the team. What is summed slab by slab does
-/// not depend on how the planes were cut.
+/// Lists of particles by slabs of planes of a grid, in their order. A slab of five fields fits a
+/// core's own cache, and there are enough slabs for the team. Sums by slab do not depend on the
+/// division into slabs.
 class SlabLists {
  public:
   std::size_t size() const { return first_.size() - 1; }
@@ -76,8 +76,8 @@ class SlabLists {
 
  private:
   int planes_ = 0, thickness_ = 1;
-  std::vector<std::size_t> first_{0};   // member of each slab, and their number
-  std::vector<std::uint32_t> members_;  // particles, slab by slab
+  std::vector<std::size_t> first_{0};   // first member of each slab, and their number
+  std::vector<std::uint32_t> members_;  // particles, by slab
   std::vector<std::size_t> counts_;
 };
 

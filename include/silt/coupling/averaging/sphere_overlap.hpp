@@ -13,11 +13,11 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The exact volumes that a sphere shares with the cells of a grid, in closed form.
+/// Exact overlap volumes of a sphere with the cells of a grid, in closed form.
 ///
-/// C(a, b, c) is the volume of the unit ball with x > a, y > b, z > c; a cell's share is its
-/// eightfold difference. For a, b, c >= 0 with the corner inside the ball, by the divergence
-/// theorem
+/// C(a, b, c) is the volume of the unit ball with x > a, y > b, z > c; a cell's share is the
+/// eightfold difference of C at its corners. For a, b, c >= 0 with the corner inside the ball, by
+/// the divergence theorem
 ///
 ///   3 C = O - a A_a - b A_b - c A_c                                                            (1)
 ///   O   = 2 pi - E_ab - E_bc - E_ca - a P_a - b P_b - c P_c                                    (2)
@@ -25,10 +25,10 @@ namespace silt::inline SILT_TARGET {
 ///   P_a = acos(b/r_a) + acos(c/r_a) - pi/2                                                     (4)
 ///   2 A_a = r_a^2 P_a - b (s_ab - c) - c (s_ca - b),  s_ab = sqrt(1 - a^2 - b^2) (5)
 ///
-/// with A_a the flat face at x = a, O the solid angle of the spherical patch by Gauss and Bonnet
-/// (E exterior angles, a P_a the integral of the geodesic curvature of the arc at x = a). Without
-/// the third plane C(a, b) = 2 C(a, b, 0); C(-a, b, c) = C(b, c) - C(a, b, c). Angles belong to
-/// pairs of planes, and are found once a pair.
+/// with A_a the plane face at x = a, O the solid angle of the spherical patch by Gauss-Bonnet (E
+/// exterior angles, a P_a the integral of the geodesic curvature of the arc at x = a). Without the
+/// third plane C(a, b) = 2 C(a, b, 0); C(-a, b, c) = C(b, c) - C(a, b, c). Angles belong to pairs
+/// of planes, and are computed once per pair.
 ///
 /// Valid:  any sphere and cells; errors of 1e-14 of the ball's volume, 1e-11 in rare cases where an
 ///         edge grazes it. Units: lengths in radii, about the sphere's centre.
@@ -36,7 +36,7 @@ namespace silt::inline SILT_TARGET {
 /// Tests:  tests/coupling/averaging_overlap.cpp.
 class SphereOverlap {
  public:
-  /// The part of the unit ball beyond three planes, and beyond two and one (others at -1).
+  /// Part of the unit ball beyond three planes, and beyond two and one (others at -1).
   static double corner(double a, double b, double c) {
     SphereOverlap s;
     const double planes[3][3] = {{-1, a, 1}, {-1, b, 1}, {-1, c, 1}};
@@ -47,8 +47,8 @@ class SphereOverlap {
     return share;
   }
 
-  /// Calls use(i, j, k, volume) for the cells between planes x[0] < x[1] ..., `cells` + 1 a
-  /// direction, of which the first is at or below -1 and the last at or above 1 [radii].
+  /// Calls use(i, j, k, volume) for the cells between planes x[0] < x[1] ..., `cells` + 1 per
+  /// direction; the first is at or below -1 and the last at or above 1 [radii].
   template <class Use>
   void shares(const double* x, const double* y, const double* z, const std::array<int, 3>& cells,
               const Use& use) {
@@ -82,13 +82,13 @@ class SphereOverlap {
   static constexpr double pi = std::numbers::pi;
   enum class Side { Below, Cuts, Above };
   struct Plane {
-    double a, r2, r, angle;  // |place|, 1 - a^2, its root, acos a
+    double a, r2, r, angle;  // |position|, 1 - a^2, its root, acos a
     bool negative;
     Side side;
   };
   struct Pair {
     double exterior, p_first, p_second, s;  // E_ab, acos(b/r_a), acos(a/r_b), s_ab
-    bool meets;                             // the line where the planes meet cuts the ball
+    bool meets;                             // the line of intersection of the planes cuts the ball
     double both;                            // C(|a|, |b|)
   };
 
@@ -98,7 +98,7 @@ class SphereOverlap {
     const double a = std::abs(x), r2 = (1 - a) * (1 + a), r = std::sqrt(r2);
     return {a, r2, r, std::atan2(r, a), x < 0, Side::Cuts};
   }
-  /// Of direction d with the next one.
+  /// For direction d and the next one.
   void find_pairs(std::size_t d) {
     const auto &first = planes_[d], &second = planes_[(d + 1) % 3];
     pairs_[d].resize(first.size() * second.size());

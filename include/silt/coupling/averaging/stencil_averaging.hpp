@@ -7,7 +7,7 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// Puts new_value(openness, value) into open cells, and 0 into blocked ones whatever they hold.
+/// Sets open cells to new_value(openness, value), and blocked ones to 0 whatever they contain.
 template <class NewValue>
 void change_open(const CellField& openness, CellFields fields, const Team& team,
                  const NewValue& new_value) {
@@ -25,7 +25,7 @@ void change_open(const CellField& openness, CellFields fields, const Team& team,
 
 }  // namespace detail
 
-/// Multiplies fields by the share of each cell that is open; 0 where it is blocked.
+/// Multiplies fields by the open share of each cell; 0 where it is blocked.
 inline void multiply_openness(const CellField& openness, CellFields fields, const Team& team) {
   detail::change_open(openness, fields, team, [](double o, double v) { return o * v; });
 }
@@ -34,7 +34,7 @@ inline void clear_blocked(const CellField& openness, CellFields fields, const Te
   detail::change_open(openness, fields, team, [](double, double v) { return v; });
 }
 
-/// Copies of fields, times openness where it is given, kept from call to call.
+/// Copies of fields, times openness if given, kept from call to call.
 class FieldCopies {
  public:
   ConstCellFields of(ConstCellFields fields, const CellField* openness, const Team& team) {
@@ -57,7 +57,7 @@ class FieldCopies {
     });
     return {constant_.data(), fields.size()};
   }
-  /// `n` fields of a grid, whatever is in them; those of the last call of any function.
+  /// `n` scratch fields of a grid with undefined values; the memory is shared by all functions.
   CellFields room_for(std::size_t n, const Grid* grid) {
     if (grid && !copies_.empty() && !(copies_[0].grid() == *grid)) copies_.clear();
     if (grid && copies_.size() < n) {
@@ -74,8 +74,8 @@ class FieldCopies {
   std::vector<CellField*> all_;
 };
 
-/// The operator of modes whose weights are stencils on the grid itself. Mode::Source(mode, grid,
-/// diameter, particles) is what Stencils::place takes.
+/// Operator of modes whose weights are stencils on the grid itself. Mode::Source(mode, grid,
+/// diameter, particles) is the argument of Stencils::place.
 template <class Mode>
 class StencilAveraging {
  public:
@@ -120,7 +120,7 @@ class StencilAveraging {
 
 namespace detail {
 
-/// What all sources share: where a particle is in units of cells, and the ranges around it.
+/// Common part of all sources: positions in units of cells, and ranges around them.
 class CellFrame {
  public:
   explicit CellFrame(const Grid& grid)
@@ -130,7 +130,7 @@ class CellFrame {
         cells_(grid.cells()) {
     for (std::size_t d = 0; d < 3; ++d) periodic_[d] = grid.periodic(static_cast<int>(d));
   }
-  /// Place in cells from the lower corner [-].
+  /// Position in cells from the lower corner [-].
   std::array<double, 3> at(const Vec3d& x) const {
     return {(x.x - min_.x) * inverse_[0], (x.y - min_.y) * inverse_[1],
             (x.z - min_.z) * inverse_[2]};
@@ -143,7 +143,7 @@ class CellFrame {
     }
     return true;
   }
-  /// Cells that low ... high [cells] touch; of a particle on the upper end the last cell.
+  /// Cells touched by low ... high [cells]; for a particle on the upper end the last cell.
   AxisRange range(std::size_t d, double low, double high) const {
     return {whole(low), whole(high), cells_[d], periodic_[d]};
   }

@@ -9,13 +9,14 @@
 #include <silt/core/lanes.hpp>
 #include <silt/core/target.hpp>
 
-/// The inner loops of averaging: one particle's stencil on rows of fields, packs along x.
+/// Inner loops of averaging: one particle's stencil on rows of fields, with packs along x.
 ///
 /// A product stencil has factors wx, wy, wz; those of x are padded by zeros to whole packs. Fields
-/// have room for a pack that begins at their last cell; what is there is added 0 or left out.
+/// are padded for a pack that begins at their last cell; values there are unchanged or unused.
 namespace silt::inline SILT_TARGET::detail {
 
-/// Of at most 4 lanes: most stencils are 4 to 13 cells across, and wider packs are mostly beyond.
+/// At most 4 lanes: most stencils are 4 to 13 cells across, and wider packs would be mostly
+/// padding.
 inline constexpr std::size_t stencil_width = std::min<std::size_t>(Lanes<DefaultArch>::width, 4);
 using StencilPack = PackOf<stencil_width>::type;
 inline constexpr int stencil_lanes = static_cast<int>(stencil_width);
@@ -24,8 +25,8 @@ static_assert(stencil_pad % stencil_lanes == 0);
 
 constexpr int padded(int n) { return (n + stencil_pad - 1) / stencil_pad * stencil_pad; }
 
-/// Calls body(first, done, count) for the one or two runs of cells that `count` cells from `start`
-/// on make on a periodic axis of n: from cell `first` on, `done` of the stencil before it.
+/// Calls body(first, done, count) for the one or two runs of cells of a range of `count` cells from
+/// `start` on, on a periodic axis of n: from cell `first` on, after `done` cells of the stencil.
 template <class Body>
 SILT_INLINE void for_runs(int start, int count, int n, const Body& body) {
   const int before = std::min(count, n - start);
@@ -33,11 +34,11 @@ SILT_INLINE void for_runs(int start, int count, int n, const Body& body) {
   if (before < count) body(0, before, count - before);
 }
 
-/// Where a block of planes and rows of several fields stands, and its factors.
+/// Position of a block of planes and rows of several fields, and its factors.
 struct ProductBlock {
   double* const* fields;         // their origins
   const double* const* columns;  // of particles
-  std::size_t count, particle;   // of fields; which particle
+  std::size_t count, particle;   // of fields; index of the particle
   std::size_t at, row, plane;    // first cell from the origins; strides
   const double *wx, *wy, *wz;
   int rows, planes;
@@ -104,7 +105,7 @@ struct RowSums {
               multiply_add(w, load_any<StencilPack>(fields[f] + at + s * stencil_lanes), sum[f][s]);
     }
   }
-  /// Where wx is 0 a pack may have read anything.
+  /// Where wx is 0 a pack may contain any value.
   SILT_INLINE void close(const double* wx, double* to) const {
 #pragma GCC unroll 4
     for (int f = 0; f < Fields; ++f) {

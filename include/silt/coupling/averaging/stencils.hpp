@@ -11,25 +11,23 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// How a particle's weights are made and kept.
+/// Storage of a particle's weights.
 enum class StencilKind : std::uint8_t {
-  None,     // it has none: outside
-  Product,  // w_ijk = wx_i wy_j wz_k: only the factors are kept
-  Dense     // one number a cell of a box of cells
+  None,     // outside the grid
+  Product,  // w_ijk = wx_i wy_j wz_k: only the factors are stored
+  Dense     // one number per cell of a box of cells
 };
 
-/// The weights of all particles on the cells of a grid, and the loops over them.
+/// Weights of all particles on the cells of a grid, and the loops over them.
 ///
 /// A source of weights gives, for particle p,
-///   StencilKind ranges(p, std::array<AxisRange, 3>&) const     the cells that it falls on
+///   StencilKind ranges(p, std::array<AxisRange, 3>&) const     cells in its range
 ///   void factor(p, direction, const AxisRange&, double* raw) const      raw() values (Product),
-///   and
-///                                                 room for 8 more
-///   void dense(p, ranges, double* raw) const     raw() values of each, x fastest (Dense), set to 0
-/// not normalised, on the grid without ends. Here they are normalised, folded and wrapped.
-///
-/// The planes of the grid are taken in slabs; each slab adds up the particles that reach it in
-/// their order, so that every cell has the same sum whoever does it.
+///                                                 with space for 8 more
+///   void dense(p, ranges, double* raw) const     raw() values, x fastest (Dense), initially 0
+/// They are not normalised, and refer to the unbounded grid. This class normalises, folds and wraps
+/// them. The planes of the grid are processed in slabs; each slab adds its particles in their
+/// order, which makes the sum of every cell independent of the threads.
 /// Tests: tests/coupling/averaging.cpp.
 class Stencils {
  public:
@@ -41,9 +39,9 @@ class Stencils {
   const Grid& grid() const { return grid_; }
   const AveragingReport& report() const { return report_; }
 
-  /// Which part of each cell is open, from 0 to 1: weights are divided by the openness that the
-  /// particle sees, sum_c w_pc openness_c. What is spread must then be multiplied by it, what is
-  /// gathered before.
+  /// Sets the open share of each cell, from 0 to 1: weights are divided by the openness in the
+  /// particle's range, sum_c w_pc openness_c. Distributed values must then be multiplied by the
+  /// openness, and gathered fields before.
   void open(const CellField& openness) {
     require(openness.grid() == grid_, "averaging: the field of open cells is not of its grid");
     bool any = false;
@@ -176,7 +174,7 @@ class Stencils {
     int row() const { return nx + nx_wrapped; }
   };
 
-  /// What spread() adds to: origins of fields, and columns of particles.
+  /// Output of spread(): origins of fields, and columns of particles.
   struct Targets {
     std::vector<const double*> columns;
     std::vector<double*> fields;
@@ -233,7 +231,7 @@ class Stencils {
         raw.resize(std::max(raw.size(), length(axis.raw() + detail::stencil_pad)));
         source.factor(p, d, axis, raw.data());
         normalise(raw.data(), length(axis.raw()));
-        // Where x wraps, its second run has a place of its own.
+        // If x wraps, its second run has a separate place.
         const int gap = d == 0 ? detail::padded(s.nx) - s.nx : 0, run = d == 0 ? s.nx : 65536;
         for (int m = 0; m < axis.raw(); ++m) {
           const int place = axis.place(axis.low + m);
@@ -258,7 +256,7 @@ class Stencils {
       }
   }
 
-  /// Divides by the openness seen; where there is none, moves all to the nearest open cell and
+  /// Divides by the openness in range; if it is 0, puts all weight on the nearest open cell and
   /// returns 1.
   std::size_t normalise_open(Stencil& s, const std::array<AxisRange, 3>& r) {
     const double* base = origin(*openness());
@@ -283,8 +281,7 @@ class Stencils {
     return 1;
   }
 
-  /// The open cell whose centre is nearest that of `from`; shells of cells until none can be
-  /// nearer.
+  /// The open cell nearest to `from` by centres; searches shells of cells until none can be nearer.
   std::array<int, 3> nearest_open(const std::array<int, 3>& from) const {
     const Vec3d& h = grid_.h();
     const double least = std::min({h.x, h.y, h.z});

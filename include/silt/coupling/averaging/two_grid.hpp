@@ -6,21 +6,23 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Particles give to the cells of a coarser grid, and these to the cells of the flow: for cells
-/// that are not larger than particles.
+/// Two-grid averaging: particles distribute to the cells of a coarser grid, and these to the cells
+/// of the flow. For cells that are not larger than particles.
 ///
-/// The coarse grid has cells of at least `cell` diameters where the flow's are smaller, in each
-/// direction; of one that is coarse enough already the cells are the same.
+/// The coarse grid has cells of at least `cell` diameters where those of the flow are smaller, in
+/// each direction; otherwise the cells are the same.
 ///
-///   Share     how a particle gives to coarse cells: Hat - linear between the eight centres around
-///             it, for bodies too; Exact - the volumes in common, of spheres.
-///   Transfer  Linear or Constant in the coarse cells (axis_transfer.hpp); both give all, and leave
-///             uniform what is uniform.
+///   Share     from a particle to coarse cells: Hat - linear between the eight centres around it,
+///             also for bodies; Exact - the common volumes, for spheres.
+///   Transfer  Linear or Constant in the coarse cells (axis_transfer.hpp); both conserve sums and
+///             keep uniform fields uniform.
 ///
-/// Where cells are blocked a coarse cell gives to its open ones alone: weights are those of hat
-/// (or share) and transfer together, normalised over the particle's open cells.
-/// Source: H. Ma et al., Powder Technol. 412 (2022) 117972. Errors: check(): InputError for a cell
-/// outside [1, 100]; place(): for bodies with Share::Exact. Tests: tests/coupling/averaging.cpp.
+/// If cells are blocked, a coarse cell distributes only to its open ones: weights are the product
+/// of share and transfer, normalised over the particle's open cells.
+///
+/// Source: H. Ma et al., Powder Technol. 412 (2022) 117972.
+/// Errors: check(): InputError for a cell outside [1, 100]; place(): for bodies with Share::Exact.
+/// Tests:  tests/coupling/averaging.cpp.
 /// Valid:  cells that are not larger than particles.
 /// Units:  lengths in diameters of the largest particles.
 struct TwoGrid {
@@ -65,7 +67,7 @@ class HatSource {
   CellFrame frame_;
 };
 
-/// What Stencils::place takes, of particles: hats, or the volumes in common with spheres.
+/// Argument of Stencils::place for particles: hats, or the overlap volumes of spheres.
 inline auto hat_shares(const Grid& grid) {
   return [&grid](const AveragedParticles& of) { return HatSource(grid, of); };
 }
@@ -73,7 +75,7 @@ inline auto exact_shares(const Grid& grid) {
   return [&grid](const AveragedParticles& of) { return Unresolved::Source({}, grid, 1, of); };
 }
 
-/// The grid of the same box with cells of at least `size` where the cells are smaller.
+/// Grid of the same box with cells of at least `size` where the cells are smaller.
 inline Grid coarser_grid(const Grid& grid, double size) {
   std::array<int, 3> n = grid.cells();
   const Vec3d e = grid.box().extent();
@@ -119,7 +121,7 @@ class TwoGrid::Averaging {
     const std::size_t n = particles.position.size();
     if (mode_.share == Share::Hat)
       return stencils_.place(n, detail::hat_shares(coarse())(particles), team);
-    require(particles.forms.empty(), "TwoGrid: Share::Exact is of spheres alone; take Share::Hat");
+    require(particles.forms.empty(), "TwoGrid: Share::Exact is for spheres only; use Share::Hat");
     stencils_.place(n, detail::exact_shares(coarse())(particles), team);
   }
   void spread(Quantities q, CellFields f, const Team& team = {}) {

@@ -7,24 +7,25 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A particle's volume goes to the cells that it is in: for cells larger than particles.
+/// Unresolved averaging: a particle's volume is counted in the cells that contain it. For cells
+/// larger than particles.
 ///
 ///   Share::Centre      all to the cell of its centre. d eps/dt grows as 1/dt, eps may be below 0.
-///   Share::Satellites  equal parts to the cells of so many points in it; of bodies, those of their
-///                      AveragedForm. Error of a share where h = d: 0.08 (8 points), 0.03 (29),
+///   Share::Satellites  equal parts to the cells of `points` interior points; for bodies, those of
+///                      their AveragedForm. Error of a share at h = d: 0.08 (8 points), 0.03 (29),
 ///                      0.015 (100).
-///   Share::Exact       the volumes of sphere and cells in common (sphere_overlap.hpp), cells of
-///   any
-///                      size. Spheres alone.
-/// Source: H. Ma et al., Powder Technol. 412 (2022) 117972; the overlap is of our own. Errors:
-/// check(): InputError for fewer than 1 or more than 1e6 points; place(): for bodies with
-/// Share::Exact. Tests: tests/coupling/averaging.cpp, averaging_overlap.cpp, averaging_bodies.cpp.
+///   Share::Exact       the overlap volumes of sphere and cells (sphere_overlap.hpp), for cells of
+///                      any size. Spheres only.
+/// Source: H. Ma et al., Powder Technol. 412 (2022) 117972; the overlap is silt's own.
+/// Errors: check(): InputError for fewer than 1 or more than 1e6 points; place(): for bodies with
+///         Share::Exact.
+/// Tests:  tests/coupling/averaging.cpp, averaging_overlap.cpp, averaging_bodies.cpp.
 /// Valid:  cells larger than particles; Share::Exact: spheres in cells of any size.
 /// Units:  lengths in diameters of the largest particles.
 struct Unresolved {
   enum class Share { Centre, Satellites, Exact };
   Share share = Share::Exact;
-  int points = 29;  // [-] of Satellites, of spheres
+  int points = 29;  // [-] of Satellites, for spheres
 
   void check() const {
     require(points >= 1 && points <= 1000000, "Unresolved.points = ", points,
@@ -40,7 +41,7 @@ class Unresolved::Source {
   Source(const Unresolved& mode, const Grid& grid, double, const AveragedParticles& particles)
       : share_(mode.share), of_(particles), frame_(grid) {
     require(share_ != Share::Exact || of_.forms.empty(),
-            "Unresolved: Share::Exact is of spheres alone; take Share::Satellites for bodies");
+            "Unresolved: Share::Exact is for spheres only; use Share::Satellites for bodies");
     if (share_ == Share::Satellites && of_.forms.empty())
       points_ = detail::ball_points(mode.points);
   }
@@ -78,7 +79,7 @@ class Unresolved::Source {
     if (share_ == Share::Exact) return exact(p, r, raw);
     for_points(p, [&](const std::array<double, 3>& x) {
       int c[3];
-      for (std::size_t d = 0; d < 3; ++d)  // rounding may lie between this and the range
+      for (std::size_t d = 0; d < 3; ++d)  // rounding may be between this and the range
         c[d] = std::clamp(static_cast<int>(std::floor(x[d])) - r[d].low, 0, r[d].raw() - 1);
       raw[(c[2] * ny + c[1]) * nx + c[0]] += 1;
     });

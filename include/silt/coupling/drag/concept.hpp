@@ -9,24 +9,25 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The drag of a fluid on one sphere among others, without the pressure gradient's part:
+/// Drag law: drag of a fluid on one sphere among others, without the pressure gradient force:
 ///
 ///   F_d = K W,  K = 3 pi mu d eps Fhat(eps, Re)  [kg/s],  Re = eps rho |W| d/mu               (1)
 ///   beta = n K = 18 mu eps (1 - eps) Fhat/d^2    [kg/(m3 s)], n = 6 (1 - eps)/(pi d^3)        (2)
 ///
-/// W [m/s] fluid's velocity less the particle's, eps [-] fluid fraction, d [m] diameter (of the
-/// sphere of equal volume), mu [Pa s], rho [kg/m3]. (1) is the force of model A, where the particle
-/// also feels -V grad p. Model B has the whole in the drag: K/eps, see model_b().
+/// W [m/s] fluid's velocity minus the particle's, eps [-] fluid fraction, d [m] diameter (of the
+/// sphere of equal volume), mu [Pa s], rho [kg/m3]. (1) is the force of model A, where -V grad p
+/// also acts on the particle. In model B the drag is the whole force: K/eps, see model_b().
 ///
-/// A law is a small struct, as
+/// A law is a small struct, for example
 ///   struct Stokes {
 ///     template <class Real>
 ///     Real normalised(const Real& eps, const Real&) const { return Real(1) / eps; }
 ///   };
 /// `normalised` is Fhat [-] of (1), a pure function. Real is double, float or a pack of them, one
-/// lane a particle: no `if` on its value, but select(); power() and others of core/powers.hpp and
-/// core/functions.hpp. Valid for 0 < eps <= 1 and Re >= 0, finite at Re = 0. CoupledFlow refuses at
-/// compile time what is not right for packs (core/probe.hpp).
+/// lane per particle: use select(), not `if`, on values, and power() and other functions of
+/// core/powers.hpp and core/functions.hpp. It must be valid for 0 < eps <= 1 and Re >= 0, and
+/// finite at Re = 0. CoupledFlow refuses laws that do not work for packs at compile time
+/// (core/probe.hpp).
 ///
 /// Units:  SI; eps, Re and Fhat [-]. Shapes: Real = double, float or a batch, lane = particle.
 /// Errors: none.
@@ -53,19 +54,20 @@ constexpr bool drag_fits_lanes() {
   return DragOnLanes<L>;
 }
 
-/// A number of a formula, in the lanes' own precision.
+/// A constant of a formula, in the precision of the lanes.
 template <class Real>
 constexpr Real lanes_of(double x) {
   return Real(static_cast<ScalarOf<Real>>(x));
 }
-/// Re that powers and logarithms can take. Every law here is within 1e-4 of its Stokes limit there.
+/// Re limited to arguments of powers and logarithms. Every law here is within 1e-4 of its Stokes
+/// limit there.
 template <class Real>
 inline Real guarded(const Real& Re) {
   return max(Re, lanes_of<Real>(1e-10));
 }
 }  // namespace detail
 
-/// Re = eps rho |W| d/mu [-]: superficial, as every drag law here takes it.
+/// Re = eps rho |W| d/mu [-]: superficial, as in all drag laws here.
 template <class Real>
 inline Real slip_reynolds(const Real& eps, const Real& rho, const Real& slip, const Real& d,
                           const Real& mu) {
@@ -86,7 +88,7 @@ inline Real interphase_coefficient(const Law& law, const Real& eps, const Real& 
   return Real(18) * mu * eps * (Real(1) - eps) * law.normalised(eps, Re) / (d * d);
 }
 
-/// K or beta of model B (all of the mean pressure's force within the drag) from those of model A.
+/// K or beta of model B (including the force of the mean pressure) from those of model A.
 template <class Real>
 inline Real model_b(const Real& coefficient, const Real& eps) {
   return coefficient / eps;

@@ -21,7 +21,7 @@ inline Real bell_of_reynolds(const Real& Re) {
 }
 }  // namespace detail
 
-/// The exponent chi = 3.7 - 0.65 exp(-(1.5 - log10 Re)^2/2) [-]: 3.7 in the limits of slow and fast
+/// Exponent chi = 3.7 - 0.65 exp(-(1.5 - log10 Re)^2/2) [-]: 3.7 in the limits of slow and fast
 /// flow, 3.05 at Re = 32.
 template <class Real>
 inline Real di_felice_exponent(const Real& Re) {
@@ -29,7 +29,7 @@ inline Real di_felice_exponent(const Real& Re) {
   return lanes_of<Real>(3.7) - lanes_of<Real>(0.65) * detail::bell_of_reynolds(Re);
 }
 
-/// From packed beds to lone spheres in one smooth form: Fhat = (C_D Re/24) eps^-chi,
+/// Drag from packed beds to single spheres by one smooth formula: Fhat = (C_D Re/24) eps^-chi,
 ///   C_D = (0.63 + 4.8/sqrt(Re))^2 (Dalla Valle); at Re = 0 4 % below Stokes' law
 /// Source: R. Di Felice, Int. J. Multiphase Flow 20 (1994) 153.
 /// Valid:  0.01 < Re < 1e4, eps from 0.4 to 1.
@@ -40,10 +40,10 @@ struct DiFelice {
   }
 };
 
-/// Di Felice's form fitted to lattice-Boltzmann results of packings:
+/// Drag of Di Felice's form, fitted to lattice-Boltzmann results for packings:
 ///   chi = 2.65 (eps + 1) - (5.3 - 3.5 eps) eps^2 exp(-(1.5 - log10 Re)^2/2)
 /// Source: L. W. Rong, K. J. Dong, A. B. Yu, Chem. Eng. Sci. 99 (2013) 44.
-/// Valid:  packings of spheres, eps and Re as DiFelice; the print's range was not read.
+/// Valid:  packings of spheres, eps and Re as DiFelice; the range in print was not read.
 struct Rong {
   template <class Real>
   Real normalised(const Real& eps, const Real& Re) const {

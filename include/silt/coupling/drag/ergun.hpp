@@ -5,9 +5,9 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Packed beds: Fhat = [150 (1 - eps)/eps + 1.75 Re/eps]/(18 eps).
+/// Drag in packed beds: Fhat = [150 (1 - eps)/eps + 1.75 Re/eps]/(18 eps).
 /// Source: S. Ergun, Chem. Eng. Prog. 48 (1952) 89.
-/// Valid:  eps < 0.8; a lone sphere (eps = 1) has no viscous drag in it.
+/// Valid:  eps < 0.8; no viscous drag on a single sphere (eps = 1).
 struct Ergun {
   template <class Real>
   Real normalised(const Real& eps, const Real& Re) const {
@@ -17,9 +17,10 @@ struct Ergun {
   }
 };
 
-/// Ergun where eps < 0.8, Wen-Yu elsewhere. It jumps there: at Re = 100 from 17.8 to 10.3.
+/// Drag by Ergun for eps < 0.8, by Wen-Yu otherwise. It jumps at eps = 0.8: at Re = 100 from 17.8
+/// to 10.3.
 /// Source: D. Gidaspow, Multiphase Flow and Fluidization (1994), ch. 2.
-/// Valid:  as Ergun and WenYu; not where its jump at eps = 0.8 matters.
+/// Valid:  as Ergun and WenYu; not where the jump at eps = 0.8 is important.
 struct Gidaspow {
   template <class Real>
   Real normalised(const Real& eps, const Real& Re) const {
@@ -28,7 +29,7 @@ struct Gidaspow {
   }
 };
 
-/// Gidaspow's law without its jump: (1 - b) Ergun + b Wen-Yu,
+/// Gidaspow's law without the jump: (1 - b) Ergun + b Wen-Yu,
 ///   b = atan(262.5 (0.2 - (1 - eps)))/pi + 1/2
 /// Source: L. Huilin, D. Gidaspow, Chem. Eng. Sci. 58 (2003) 3777.
 /// Valid:  as Ergun and WenYu.

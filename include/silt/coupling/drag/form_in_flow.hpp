@@ -16,36 +16,36 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What a flow knows of a body's form, made once by form_in_flow(): its silhouettes from all sides
-/// as a table, its surface, and how it resists rotation. Directions are in the principal frame,
-/// lengths in radii r of the sphere of equal volume: forms of all scales share one.
+/// Shape of a body for the flow, made once by form_in_flow(): a table of its projected areas in all
+/// directions, its surface, and its resistance to rotation. Directions are in the principal frame,
+/// lengths in radii r of the sphere of equal volume: forms of all scales share one table.
 ///
-/// The table holds (area seen/(pi r^2))^2 |v|^2 for v on half a cube around the body, by quadratic
-/// pieces that meet at its planes of symmetry: exact for ellipsoids and boxes. Half the surface
-/// less the mean area across the flow, of which the lengthwise sphericity is made, likewise. Error
-/// of the areas: below 2 % of a cylinder 5 diameters long and of a body of two overlapping
-/// spheres, 2.5 % of an octahedron, whose edges lie between the pieces.
+/// The table contains (projected area/(pi r^2))^2 |v|^2 for v on half a cube around the body, by
+/// quadratic pieces that meet at its planes of symmetry: exact for ellipsoids and boxes. A second
+/// table contains half the surface minus the mean area across the flow, for the lengthwise
+/// sphericity. Error of the areas: below 2 % for a cylinder 5 diameters long and a body of two
+/// overlapping spheres; 2.5 % for an octahedron, whose edges are between the pieces.
 /// Tests: tests/coupling/form_in_flow.cpp.
 struct FormInFlow {
   double sphericity = 1;                // [-]
   Vec3d inertia{0.4, 0.4, 0.4};         // [-] principal moments over m r^2
-  Vec3d axes{1, 1, 1};                  // [-] semi-axes over r of the ellipsoid of these moments
-  Vec3d slip_resistance{1, 1, 1};       // [-] of that in slow flow: force over 6 pi mu r times slip
-  Vec3d spin_resistance{1, 1, 1};       // [-] of that: torque over 8 pi mu r^3 times rate of spin
-  Vec3d strain_share{0, 0, 0};          // [-] of that: (b^2 - c^2)/(b^2 + c^2) and so on
-  std::vector<double> seen, mean_side;  // [-] the tables; empty: a sphere
+  Vec3d axes{1, 1, 1};                  // [-] semi-axes over r of the ellipsoid with these moments
+  Vec3d slip_resistance{1, 1, 1};       // [-] of it in slow flow: force over 6 pi mu r times slip
+  Vec3d spin_resistance{1, 1, 1};       // [-] of it: torque over 8 pi mu r^3 times spin
+  Vec3d strain_share{0, 0, 0};          // [-] of it: (b^2 - c^2)/(b^2 + c^2) and so on
+  std::vector<double> seen, mean_side;  // [-] tables; empty: a sphere
 
   static constexpr int pieces = 4, nodes = 2 * pieces + 1;
 
-  /// For a flow along the unit vector u. The circularity is not in the table: 1.
+  /// For a flow along the unit vector u. The circularity is not tabulated: 1.
   ShapeInFlow<double> along(const Vec3d& u) const {
     if (seen.empty()) return {};
     const double side = std::sqrt(look_up(mean_side, u));
     return {sphericity, 1 / area(u), 1 / (2 / sphericity - side), 1};
   }
-  /// Seen along the unit vector u, over pi r^2 [-].
+  /// Projected area along the unit vector u, over pi r^2 [-].
   double area(const Vec3d& u) const { return seen.empty() ? 1 : std::sqrt(look_up(seen, u)); }
-  /// The axis about which the moments are equal, 0, 1 or 2; -1: none, or all.
+  /// Axis of equal moments, 0, 1 or 2; -1: none, or all.
   int symmetry_axis() const {
     const double m[] = {inertia.x, inertia.y, inertia.z};
     const auto same = [](double p, double q) { return std::abs(p - q) < 1e-3 * (p + q); };
@@ -53,7 +53,7 @@ struct FormInFlow {
       if (same(m[(k + 1) % 3], m[(k + 2) % 3])) return same(m[k], m[(k + 1) % 3]) ? -1 : k;
     return -1;
   }
-  /// The ellipsoid's length along the axis of symmetry over that across it; 1: none.
+  /// Length of the ellipsoid along the axis of symmetry over that across it; 1: none.
   double aspect_ratio() const {
     const double a[] = {axes.x, axes.y, axes.z};
     const int k = symmetry_axis();
@@ -81,7 +81,7 @@ struct FormInFlow {
         sum += weight[0][i] * weight[1][j] * value;
         if (i + j == 0 || value < least) least = value;
       }
-    return std::max(sum, 0.5 * least) * c[face] * c[face];  // between steep nodes it may undershoot
+    return std::max(sum, 0.5 * least) * c[face] * c[face];  // may undershoot between steep nodes
   }
 };
 
@@ -106,7 +106,7 @@ inline double carlson_rd(double x, double y, double z) {
   }
 }
 
-/// Of a union of convex parts by the outlines of their silhouettes on many lines; to some 1e-3.
+/// Union of convex parts, by the outlines of their silhouettes on many lines; error about 1e-3.
 template <class S>
 double area_seen(const Compound<S>& body, const Vec3d& u) {
   constexpr int corners = 96, lines = 256;
@@ -155,7 +155,7 @@ double area_seen(const S& body, const Vec3d& u) {
   return silhouette(body, u).area;
 }
 
-/// Of each part what lies in no other, by the middles of small triangles; to some 1e-2.
+/// Surface of each part outside all others, by the centres of small triangles; error about 1e-2.
 template <class S>
 double surface_of_any(const Compound<S>& body) {
   double sum = 0;
@@ -170,7 +170,8 @@ double surface_of_any(const Compound<S>& body) {
       if (area == 0) continue;
       const Vec3d out = rotate(part.axes, (1e-6 * std::sqrt(area) / norm(normal)) * normal);
       for (int i = 0; i < cuts; ++i)
-        for (int j = 0; j < 2 * (cuts - i) - 1; ++j) {  // pairs of small triangles, the last alone
+        for (int j = 0; j < 2 * (cuts - i) - 1; ++j) {  // pairs of small triangles, the last one
+                                                        // alone
           const double s = (i + (j % 2 ? 2.0 : 1.0) / 3) / cuts;
           const double w = (j / 2 + (j % 2 ? 2.0 : 1.0) / 3) / cuts;
           const Vec3d x = part.centre + rotate(part.axes, a + s * p + w * q);
@@ -196,7 +197,7 @@ double surface_of_any(const S& body) {
 
 }  // namespace detail
 
-/// Of any of silt's shapes; takes 243 silhouettes.
+/// For any of silt's shapes; computes 243 silhouettes.
 template <class S>
 FormInFlow form_in_flow(const S& shape) {
   FormInFlow form;

@@ -5,14 +5,14 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// From lattice-Boltzmann results, p = 1 - eps:
+/// Drag fitted to lattice-Boltzmann results, p = 1 - eps:
 ///   Fhat = eps (F0 + F3 Re/2),  F3 = 0.0673 + 0.212 p + 0.0232/eps^5
 ///   F0 = [1 + 3 sqrt(p/2) + (135/64) p ln p + 16.14 p]/[1 + 0.681 p - 8.48 p^2 + 8.16 p^3] below
 ///        p = 0.4, 10 p/eps^3 from there on
-/// The source's force holds the mean pressure gradient's part; the eps takes it out.
+/// The force in the source includes the mean pressure gradient; the factor eps removes it.
 /// Source: D. L. Koch, R. J. Hill, Annu. Rev. Fluid Mech. 33 (2001) 619; R. J. Hill, D. L. Koch,
 ///         A. J. C. Ladd, J. Fluid Mech. 448 (2001) 213 and 243.
-/// Valid:  Re from some 40 up, or slow; the transition between (Re^2) is left out.
+/// Valid:  Re from about 40 on, or slow flow; the transition between (Re^2) is left out.
 struct KochHill {
   template <class Real>
   Real normalised(const Real& eps, const Real& Re) const {

@@ -5,7 +5,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// C_D Re/24 of a lone sphere after Schiller and Naumann [-]: 1 in Stokes flow.
+/// C_D Re/24 of a single sphere by Schiller and Naumann [-]: 1 in Stokes flow.
 ///   1 + 0.15 Re^0.687 for Re < 1000, 0.44 Re/24 (Newton) above; C_D jumps from 0.438 to 0.44.
 /// Source: L. Schiller, A. Naumann, Z. VDI 77 (1933) 318.
 template <class Real>
@@ -16,9 +16,9 @@ inline Real schiller_naumann(const Real& Re) {
   return select(Re < Real(1000), low, lanes_of<Real>(0.44 / 24) * Re);
 }
 
-/// Stokes' drag of a lone sphere, K = 3 pi mu d whatever the fluid fraction.
+/// Stokes drag of a single sphere, K = 3 pi mu d for any fluid fraction.
 /// Source: G. G. Stokes, Trans. Camb. Phil. Soc. 9 (1851) 8 (recalled).
-/// Valid:  lone spheres, Re << 1.
+/// Valid:  single spheres, Re << 1.
 struct Stokes {
   template <class Real>
   Real normalised(const Real& eps, const Real&) const {
@@ -26,10 +26,10 @@ struct Stokes {
   }
 };
 
-/// A lone sphere at any slip: F = (pi/8) rho C_D d^2 |W| W with C_D of schiller_naumann() at
-/// rho |W| d/mu = Re/eps, whatever the fluid fraction.
+/// Single sphere at any slip: F = (pi/8) rho C_D d^2 |W| W with C_D of schiller_naumann() at rho
+/// |W| d/mu = Re/eps, for any fluid fraction.
 /// Source: as schiller_naumann().
-/// Valid:  lone spheres; below Re = 1000 its fit, above Newton's constant.
+/// Valid:  single spheres; below Re = 1000 the fit, above Newton's constant.
 struct SchillerNaumann {
   template <class Real>
   Real normalised(const Real& eps, const Real& Re) const {
@@ -37,8 +37,8 @@ struct SchillerNaumann {
   }
 };
 
-/// Drag without a voidage function, for dilute conveying: F = (pi/8) rho C_D d^2 |W| W, and the
-/// fluid fraction in Re = eps rho |W| d/mu alone.
+/// Drag without a void fraction function, for dilute conveying: F = (pi/8) rho C_D d^2 |W| W; the
+/// fluid fraction enters only Re = eps rho |W| d/mu.
 ///   Fhat = (C_D Re/24)/eps^2; C_D = 24/Re below 0.5 (a jump of 9 % there), Schiller-Naumann above
 /// Source: EDEM's free-stream drag. Valid: solids below some 1 %.
 struct FreeStream {

@@ -6,21 +6,21 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A body of any shape as the drag laws see it, in the flow's direction; all are 1 of a sphere. d
-/// [m] is the diameter of the sphere of equal volume, S [m2] the body's surface. shape_in_flow() of
-/// coupling/drag/silhouette.hpp finds them.
+/// Numbers of a body's shape for drag laws, in the direction of the flow; all are 1 for a sphere. d
+/// [m] is the diameter of the sphere of equal volume, S [m2] the body's surface. Computed by
+/// shape_in_flow() of coupling/drag/silhouette.hpp.
 template <class Real>
 struct ShapeInFlow {
   Real sphericity = Real(1);   // [-] phi = pi d^2/S
-  Real crosswise = Real(1);    // [-] phi_perp = (pi d^2/4)/A, A the area seen along the flow
-  Real lengthwise = Real(1);   // [-] phi_par = (pi d^2/4)/(S/2 - mean area seen across the flow)
+  Real crosswise = Real(1);    // [-] phi_perp = (pi d^2/4)/A, A the projected area along the flow
+  Real lengthwise = Real(1);   // [-] phi_par = (pi d^2/4)/(S/2 - mean projected area across it)
   Real circularity = Real(1);  // [-] c = pi dA/perimeter of A, A = pi dA^2/4
 
   Real diameter_ratio() const { return Real(1) / sqrt(crosswise); }  // dA/d
 };
 
-/// Drag of a lone body: F = (pi/8) rho C_D d^2 |W| W, Re = rho d |W|/mu. A law gives C_D Re/24, the
-/// drag over Stokes' drag of the sphere, which is finite at Re = 0:
+/// Drag of a single body: F = (pi/8) rho C_D d^2 |W| W, Re = rho d |W|/mu. A law gives C_D Re/24,
+/// the drag over the Stokes drag of the sphere, which is finite at Re = 0:
 ///   template <class Real> Real over_stokes(const ShapeInFlow<Real>&, const Real& Re) const
 ///
 /// Units:  SI; numbers of shape, Re and the result [-]. Shapes: Real = double, float or a batch.
@@ -38,7 +38,7 @@ inline Real lone_body_drag(const Law& law, const ShapeInFlow<Real>& shape, const
 }
 
 namespace detail {
-/// -log10 of a sphericity, a little above 0 at 1.
+/// -log10 of a sphericity, slightly above 0 at 1.
 template <class Real>
 inline Real roughness(const Real& phi) {
   return max(lanes_of<Real>(-0.30102999566398120) * exact_log2(phi), smallest<Real>());
@@ -50,7 +50,7 @@ inline Real ten_to(const Real& x) {
 }
 }  // namespace detail
 
-/// By the sphericity alone, of isometric bodies:
+/// Drag of isometric bodies, from the sphericity only:
 ///   C_D = 24/Re (1 + A1 Re^A2) + A3/(1 + A4/Re)
 ///   A1 = exp(2.3288 - 6.4581 phi + 2.4486 phi^2), A2 = 0.0964 + 0.5565 phi,
 ///   A3 = exp(4.905 - 13.8944 phi + 18.4222 phi^2 - 10.2599 phi^3),
@@ -76,16 +76,16 @@ struct HaiderLevenspiel {
   }
 };
 
-/// By the sphericity, and, unless isometric, the area seen along the flow:
+/// Drag from the sphericity and, unless isometric, the projected area along the flow:
 ///   C_D = K2 {24/r (1 + 0.1118 r^0.6567) + 0.4305/(1 + 3305/r)}, r = Re K1 K2,
 ///   K1 = 1/[dn/(3 d) + (2/3)/sqrt(phi)], K2 = 10^(1.8148 (-log10 phi)^0.5743);
 ///   isometric: dn = d, otherwise dn = dA
 /// Source: G. H. Ganser, Powder Technol. 77 (1993) 143; read in table 2 of H. Ma et al., Powder
 ///         Technol. 412 (2022) 117972. FALL3D and MFIX have the same numbers.
-/// Valid:  r <= 1e5 and phi up to 0.95. It is a fit of bodies with edges: K2 rises infinitely
-///         steeply at phi = 1, where (phi = 1) C_D lies below the drag of a sphere by 0.3 % at Re
-///         0.5, 12 % at 10, 25 % at 50, 27 % at 200, 19 % at 1000 and 7 % at 2500. For bodies near
-///         a sphere take HaiderLevenspiel (at most 7 % above).
+/// Valid:  r <= 1e5 and phi up to 0.95. It is a fit for bodies with edges: K2 has an infinite slope
+///         at phi = 1, where C_D is below the drag of a sphere by 0.3 % at Re 0.5, 12 % at 10, 25 %
+///         at 50, 27 % at 200, 19 % at 1000 and 7 % at 2500. For bodies near a sphere use
+///         HaiderLevenspiel (at most 7 % above).
 /// Tests:  tests/coupling/non_spherical.cpp: the standard drag curve of spheres, and Pettyjohn and
 ///         Christiansen's measurements of isometric bodies at both ends of Re.
 template <bool Isometric>
@@ -107,10 +107,10 @@ struct BasicGanser {
   }
 };
 using Ganser = BasicGanser<true>;
-/// BasicGanser for isometric bodies, and with the area seen along the flow.
+/// BasicGanser for isometric bodies, and with the projected area along the flow.
 using GanserInFlow = BasicGanser<false>;
 
-/// Slow flow, by sphericity and the area seen along the flow:
+/// Drag in slow flow, from sphericity and projected area along the flow:
 ///   C_D = (8/Re)/sqrt(phi_perp) + (16/Re)/sqrt(phi)
 /// Source: D. Leith, Aerosol Sci. Technol. 6 (1987) 153. Valid: Re << 1.
 struct Leith {
@@ -122,11 +122,11 @@ struct Leith {
   }
 };
 
-/// By the area seen along the flow and the roundness of its outline, q = dA/d:
+/// Drag from the projected area along the flow and the circularity of its outline, q = dA/d:
 ///   C_D = (24/Re) q [1 + 0.15/sqrt(c) (q Re)^0.687] + 0.42 q^2/(sqrt(c) [1 + 4.25e4 (q Re)^-1.16])
-/// Source: S. Tran-Cong, M. Gay, E. E. Michaelides, Powder Technol. 139 (2004) 21. Recalled, the
-///         print was not read; of a sphere it is Clift and Gauvin's law, within 4 % of the standard
-///         drag curve.
+/// Source: S. Tran-Cong, M. Gay, E. E. Michaelides, Powder Technol. 139 (2004) 21. Recalled: the
+///         print was not read; for a sphere it is Clift and Gauvin's law, within 4 % of the
+///         standard drag curve.
 /// Valid:  0.15 < Re < 1500, 0.8 < q < 1.5, 0.4 < c < 1.
 struct TranCong {
   template <class Real>
@@ -142,11 +142,12 @@ struct TranCong {
   }
 };
 
-/// Any shape and orientation at any Re:
+/// Drag of any shape and orientation at any Re:
 ///   C_D = (8/Re)/sqrt(phi_par) + (16/Re)/sqrt(phi) + (3/sqrt(Re))/phi^(3/4)
 ///       + 0.42 10^(0.4 (-log10 phi)^0.2)/phi_perp
-/// Simplified: phi_perp for phi_par. Source: A. Hoelzer, M. Sommerfeld, Powder Technol. 184 (2008)
-/// 361. Valid: to the critical Re.
+/// Simplified: phi_perp replaces phi_par.
+/// Source: A. Hoelzer, M. Sommerfeld, Powder Technol. 184 (2008) 361.
+/// Valid:  up to the critical Re.
 template <bool Simplified>
 struct BasicHoelzerSommerfeld {
   template <class Real>
@@ -162,7 +163,7 @@ struct BasicHoelzerSommerfeld {
   }
 };
 using HoelzerSommerfeld = BasicHoelzerSommerfeld<false>;
-/// The full form, and the one that takes the crosswise sphericity twice.
+/// The full form, and the one with phi_perp in place of phi_par.
 using HoelzerSommerfeldSimplified = BasicHoelzerSommerfeld<true>;
 
 static_assert(LoneBodyLaw<HaiderLevenspiel> && LoneBodyLaw<Ganser> && LoneBodyLaw<GanserInFlow> &&
@@ -172,14 +173,15 @@ static_assert(LoneBodyLaw<HaiderLevenspiel> && LoneBodyLaw<Ganser> && LoneBodyLa
 /// @name Among other particles: Fhat of drag/concept.hpp, Re = eps rho |W| d/mu
 /// @{
 
-/// A sphere law's Fhat times C_D of the body over that of the sphere (Schiller-Naumann), at one Re.
+/// Fhat of a sphere law times C_D of the body over that of the sphere (Schiller-Naumann), at the
+/// same Re.
 template <class SphereLaw, class Law, class Real>
 inline Real scaled_by_sphere(const SphereLaw& sphere, const Law& law,
                              const ShapeInFlow<Real>& shape, const Real& eps, const Real& Re) {
   return sphere.normalised(eps, Re) * law.over_stokes(shape, Re) / schiller_naumann(Re);
 }
 
-/// Di Felice's voidage function, F_d = (pi/8) rho C_D d^2 |W| W eps^(2 - chi).
+/// With Di Felice's void fraction function, F_d = (pi/8) rho C_D d^2 |W| W eps^(2 - chi).
 template <class Law, class Real>
 inline Real with_di_felice(const Law& law, const ShapeInFlow<Real>& shape, const Real& eps,
                            const Real& Re) {
@@ -187,8 +189,8 @@ inline Real with_di_felice(const Law& law, const ShapeInFlow<Real>& shape, const
 }
 /// @}
 
-/// One body in one orientation as a drag law: NonSpherical{Ganser(), shape} with Di Felice's
-/// voidage function, NonSpherical<Ganser, Beetstra>{{}, shape} scaled from that of a sphere law.
+/// One body in one orientation as a drag law: NonSpherical{Ganser(), shape} with Di Felice's void
+/// fraction function, NonSpherical<Ganser, Beetstra>{{}, shape} scaled from a sphere law.
 /// Source: as its laws.
 /// Valid:  as its laws; one orientation for all particles.
 template <class Law, class SphereLaw = void>

@@ -9,29 +9,31 @@
 #include <silt/coupling/drag/zastawny.hpp>
 #include <silt/coupling/fluid_force.hpp>
 
-/// Drag, lift and pitching torque of bodies in a CoupledFlow, by how they lie in the flow now.
+/// Drag, lift and pitching torque of bodies in a CoupledFlow, by their present orientation in the
+/// flow.
 ///
 ///   silt::CoupledFlow{silt::OrientedDrag{}, silt::Kernel{}, flow, silt::InclinedLift{}}
 ///
-/// Among other particles, F = 3 pi mu d eps Fhat W as in drag/concept.hpp, d of the sphere of equal
-/// volume, and with C_D of a lone body's law for its silhouettes along the slip,
+/// In suspensions, F = 3 pi mu d eps Fhat W as in drag/concept.hpp, with d of the sphere of equal
+/// volume. With C_D of a single-body law for its silhouette along the slip,
 ///
 ///   Fhat = (C_D Re/24) eps^-chi, chi(Re) of Di Felice                                          (1)
 ///   Fhat = Fhat of a sphere law times C_D over that of a sphere                                (2)
 ///
-/// (1) is what beds of ellipsoids have been computed with; (2) where a law of spheres is named,
-/// OrientedDrag<HoelzerSommerfeld, Beetstra>. Spheres are taken as such.
+/// (1) has been used for beds of ellipsoids; (2) applies if a sphere law is named,
+/// OrientedDrag<HoelzerSommerfeld, Beetstra>. Spheres are treated as spheres.
 /// Source: R. Di Felice, Int. J. Multiphase Flow 20 (1994) 153; Z. Y. Zhou, D. Pinson, R. P. Zou,
 ///         A. B. Yu, Chem. Eng. Sci. 66 (2011) 6128 (ellipsoids, Hoelzer-Sommerfeld with (1)).
-/// Valid:  as the laws; that neighbours act on a body as on a sphere is an assumption.
+/// Valid:  as the laws; the effect of neighbours is assumed to be that on a sphere.
 /// Tests:  tests/coupling/oriented.cpp.
 namespace silt::inline SILT_TARGET {
 
-/// A drag law that sees the particle: Fhat [-] of drag/concept.hpp, at Re = eps rho |W| d/mu. With
-/// `void check_form(const FormInFlow*) const`, which throws, it refuses forms; nullptr: spheres.
+/// Drag law that depends on the particle: Fhat [-] of drag/concept.hpp, at Re = eps rho |W| d/mu.
+/// Optional: `void check_form(const FormInFlow*) const`, which throws for unsuitable forms;
+/// nullptr: spheres.
 ///
 /// Units:  SI; Fhat and Re [-].
-/// Errors: InputError of check_form() for forms that a law does not know.
+/// Errors: InputError of check_form() for forms outside the range of a law.
 /// Tests:  tests/coupling/oriented.cpp.
 template <class L>
 concept OrientedDragLaw = requires(const L& law, const InFluid& at, const double& Re) {
@@ -58,7 +60,7 @@ inline double reynolds_of(const InFluid& at) {
 }
 }  // namespace detail
 
-/// (1), or with a sphere law (2).
+/// Drag of bodies by their orientation: (1), or with a sphere law (2).
 template <LoneBodyLaw Law = HoelzerSommerfeld, class SphereLaw = void>
 struct OrientedDrag {
   static constexpr bool sees_forms = true;
@@ -69,13 +71,13 @@ struct OrientedDrag {
   }
 };
 
-/// Lift of a body that lies askew: with Fhat_i of the body for a flow along its principal axis e_i,
+/// Lift of an inclined body: with Fhat_i of the body for a flow along its principal axis e_i,
 ///
 ///   L = the part across W of 3 pi mu d eps sum_i Fhat_i (W.e_i) e_i                            (3)
 ///
-/// Of a body of revolution C_L = (C_D90 - C_D0) sin alpha |cos alpha| (drag/orientation.hpp). Exact
-/// in Stokes flow, where Fhat_i are constants and the law's are, an interpolation beyond. Take the
-/// law and the sphere law of the drag.
+/// For a body of revolution C_L = (C_D90 - C_D0) sin alpha |cos alpha| (drag/orientation.hpp).
+/// Exact in Stokes flow if the law is, as the Fhat_i are constant there; an interpolation beyond.
+/// Use the law and the sphere law of the drag.
 /// Source: J. Happel, H. Brenner, Low Reynolds Number Hydrodynamics (1965), ch. 5.
 template <LoneBodyLaw Law = HoelzerSommerfeld, class SphereLaw = void>
 struct InclinedLift {
@@ -94,16 +96,17 @@ struct InclinedLift {
   }
 };
 
-/// A lone ellipsoid in slow flow, exactly; other bodies as the one of their moments and volume. Its
-/// drag and, given as a force too, its lift:
+/// Exact force on a single ellipsoid in slow flow; other bodies as the ellipsoid with their moments
+/// and volume. It is a drag law and, given also as a force, adds the lift:
 ///
 ///   silt::CoupledFlow{silt::SlowEllipsoid{}, mode, flow, silt::SlowEllipsoid{}}
 ///
-///   F = 6 pi mu r sum_i k_i (W.e_i) e_i, k_x = (8/3)/(chi + a^2 alpha), a, b, c over r (4) chi =
-///   int_0^inf dl/D, alpha = int_0^inf dl/((a^2 + l) D), D^2 = (a^2 + l)(b^2 + l)(c^2 + l)
+///   F = 6 pi mu r sum_i k_i (W.e_i) e_i, k_x = (8/3)/(chi + a^2 alpha), a, b, c over r        (4)
+///   chi = int_0^inf dl/D, alpha = int_0^inf dl/((a^2 + l) D),
+///   D^2 = (a^2 + l)(b^2 + l)(c^2 + l)
 ///
 /// Source: A. Oberbeck, J. reine angew. Math. 81 (1876) 62; Happel and Brenner as above, sec. 5-11.
-/// Valid:  Re << 1; the same among other particles.
+/// Valid:  Re << 1; without the effect of other particles.
 struct SlowEllipsoid {
   static constexpr bool sees_forms = true;
   double normalised(const InFluid& at, double) const {
@@ -127,8 +130,8 @@ struct SlowEllipsoid {
   }
 };
 
-/// Drag of one of the four bodies of Zastawny et al., with (1). Below Re = 0.1, where the fit ends,
-/// C_D Re stays as it is there. What of the coefficients is verified: drag/zastawny.hpp.
+/// Drag of one of the four bodies of Zastawny et al., with (1). Below Re = 0.1, the end of the fit,
+/// C_D Re is constant. For the verification of the coefficients see drag/zastawny.hpp.
 /// Source: as Zastawny (coupling/drag/zastawny.hpp).
 /// Valid:  as Zastawny: 0.1 < Re < 300, its four bodies.
 struct ZastawnyDrag {
@@ -138,7 +141,8 @@ struct ZastawnyDrag {
   void check_form(const FormInFlow* form) const;
 };
 
-/// Their lift and pitching torque, the latter for a lone body: neither changes with the voidage.
+/// Lift and pitching torque of these bodies, the latter for a single body: neither depends on the
+/// void fraction.
 /// Source: as Zastawny (coupling/drag/zastawny.hpp).
 /// Valid:  as Zastawny: 0.1 < Re < 300, its four bodies.
 struct ZastawnyLift {
@@ -165,14 +169,14 @@ inline Inclination inclination(const InFluid& at) {
   return {n, std::max(at.density * W * at.diameter / at.viscosity, 0.1), c,
           W > 0 ? std::min(norm(cross(n, at.slip)) / W, 1.0) : 0};
 }
-/// A cylinder has the moments of an ellipsoid that is longer by 2/sqrt(3).
+/// A cylinder has the moments of an ellipsoid longer by 2/sqrt(3).
 inline void check_aspect(const char* who, const Zastawny& fit, const FormInFlow* form) {
   require(form, who,
-          " is a fit of one body, but these particles are spheres; take a sphere's drag");
+          " is a fit of one body, but these particles are spheres; use a drag law of spheres");
   const double ratio = form->aspect_ratio();
   require(ratio > 0.9 * fit.aspect && ratio < 1.2 * fit.aspect, who, " is a fit of a body ",
           fit.aspect, " times as long as wide, but a form of the particles is (by its moments) ",
-          ratio, " times; take OrientedDrag and InclinedLift, or the fit of that form");
+          ratio, " times; use OrientedDrag and InclinedLift, or the fit of that form");
 }
 }  // namespace detail
 

@@ -15,8 +15,8 @@
 #include <silt/shape/polyhedron.hpp>
 #include <silt/shape/sphere.hpp>
 
-/// What a flow sees of a body: area and outline of its projection, and the numbers that drag laws
-/// take. Directions are unit vectors in the body's own frame.
+/// Projection of a body along the flow: area and outline, and the shape numbers of drag laws.
+/// Directions are unit vectors in the body's frame.
 /// Errors: InputError for a direction that is not of length 1.
 /// Tests:  tests/coupling/silhouette.cpp.
 namespace silt::inline SILT_TARGET {
@@ -33,10 +33,10 @@ inline void check_direction(const Vec3d& u) {
           " must be a unit vector; divide it by its length ", norm(u));
 }
 
-/// Of a convex body by its support points around u. The polygon of the points is too small, that of
-/// the tangents at them too large; in the means of both that are taken the errors of second order
-/// of a smooth outline cancel. Steps are halved until the corners between the polygons are below
-/// 1e-5 of the square of the body's size: flat sides and sharp edges take most points.
+/// For a convex body, by its support points around u. The polygon of the points is too small, that
+/// of the tangents too large; their means are used, in which second order errors of a smooth
+/// outline cancel. Steps are halved until the corners between the polygons are below 1e-5 of the
+/// square of the body's size; flat sides and sharp edges need most points.
 template <class S>
 class ConvexOutline {
  public:
@@ -60,7 +60,7 @@ class ConvexOutline {
 
  private:
   struct Point {
-    double turn, nx, ny, x, y;  // [-] of the normal, the normal, the place
+    double turn, nx, ny, x, y;  // [-] of the normal, the normal, the position
   };
   Point at(double turn) const {
     const double angle = 2 * std::numbers::pi * turn, c = std::cos(angle), s = std::sin(angle);
@@ -69,7 +69,7 @@ class ConvexOutline {
   }
   void add(const Point& p, const Point& q, int halvings) {
     const double dx = q.x - p.x, dy = q.y - p.y, sine = p.nx * q.ny - p.ny * q.nx;
-    // Where the tangents at p and q meet: so far from p, and from q.
+    // Intersection of the tangents at p and q: distances from p and from q.
     const double from_p = std::max((dx * q.nx + dy * q.ny) / sine, 0.0);
     const double from_q = std::max(-(dx * p.nx + dy * p.ny) / sine, 0.0);
     const double chord = 0.5 * (p.x * q.y - q.x * p.y), corner = 0.5 * from_p * from_q * sine;
@@ -88,12 +88,12 @@ class ConvexOutline {
   Silhouette chords_{0, 0}, tangents_{0, 0};
 };
 
-/// A disc of a plane figure.
+/// A disc in a plane figure.
 struct Disc {
   double x, y, r;
 };
 
-/// The arcs of disc i that no other disc covers, as pairs of angles.
+/// Arcs of disc i that no other disc covers, as pairs of angles.
 inline std::vector<std::pair<double, double>> free_arcs(const std::vector<Disc>& discs,
                                                         std::size_t i) {
   constexpr double pi = std::numbers::pi;
@@ -131,8 +131,8 @@ inline std::vector<std::pair<double, double>> free_arcs(const std::vector<Disc>&
 }
 }  // namespace detail
 
-/// Area [m2] that an ellipsoid with semi-axes a, b, c [m] shows along the unit vector t:
-/// pi sqrt((b c tx)^2 + (a c ty)^2 + (a b tz)^2).
+/// Projected area [m2] of an ellipsoid with semi-axes a, b, c [m] along the unit vector t: pi
+/// sqrt((b c tx)^2 + (a c ty)^2 + (a b tz)^2).
 inline double ellipsoid_projected_area(double a, double b, double c, const Vec3d& t) {
   return std::numbers::pi * norm(Vec3d{b * c * t.x, a * c * t.y, a * b * t.z});
 }
@@ -140,7 +140,7 @@ inline double ellipsoid_projected_area(double a, double b, double c, const Vec3d
 /// @name Silhouettes
 /// @{
 
-/// Ellipsoids: the area in closed form. Others to some 1e-4.
+/// Ellipsoids: the area in closed form. Others with an error of about 1e-4.
 inline Silhouette silhouette(const SuperEllipsoid& s, const Vec3d& u) {
   detail::check_direction(u);
   Silhouette seen = detail::ConvexOutline(s, u).seen();
@@ -151,8 +151,8 @@ inline Silhouette silhouette(const PolySuperEllipsoid& s, const Vec3d& u) {
   detail::check_direction(u);
   return detail::ConvexOutline(s, u).seen();
 }
-/// Exact: half the faces' areas times |n.u|, and the edges between faces that look up and down the
-/// flow; a dilated one by Steiner's formulas in the plane.
+/// Exact: half the faces' areas times |n.u|, and the edges between faces upstream and downstream;
+/// dilated polyhedra by Steiner's formulas in the plane.
 inline Silhouette silhouette(const Polyhedron& s, const Vec3d& u) {
   detail::check_direction(u);
   const auto& v = s.vertices();
@@ -170,7 +170,7 @@ inline Silhouette silhouette(const Polyhedron& s, const Vec3d& u) {
   const double r = s.radius(), pi = std::numbers::pi;
   return {area + r * outline + pi * r * r, outline + 2 * pi * r};
 }
-/// Exact: the union of discs by its arcs; the outline counts holes too.
+/// Exact: the union of discs by its arcs; the outline includes holes.
 inline Silhouette silhouette(const MultiSphere& s, const Vec3d& u) {
   detail::check_direction(u);
   const auto [e, f] = detail::across(u);
@@ -199,7 +199,7 @@ inline double surface_of_body(const PolySuperEllipsoid& s) {
   return sum;
 }
 inline double surface_of_body(const Polyhedron& s) { return s.area(); }
-/// Of the union, by its free arcs in 400 slices of each ball; to some 1e-4.
+/// Of the union, by its free arcs in 400 slices of each ball; error about 1e-4.
 inline double surface_of_body(const MultiSphere& s) {
   constexpr int slices = 400;
   double sum = 0;
@@ -221,16 +221,16 @@ inline double surface_of_body(const MultiSphere& s) {
 }
 /// @}
 
-/// pi d^2/S [-], d of the sphere of equal volume: 1 of a sphere.
+/// pi d^2/S [-], d of the sphere of equal volume: 1 for a sphere.
 template <class S>
 double sphericity_of(const S& body) {
   const double d = std::cbrt(6 * body.mass_properties().volume / std::numbers::pi);
   return std::numbers::pi * d * d / surface_of_body(body);
 }
 
-/// All numbers of a body for a flow along the unit vector u; the mean area across the flow over
-/// `turns` directions. For a body that turns, make a table once: it takes 0.01 ms (polyhedra)
-/// to 10 ms (super-ellipsoids near boxes).
+/// All shape numbers of a body for a flow along the unit vector u; the mean area across the flow
+/// over `turns` directions. For a rotating body use a table: one call takes 0.01 ms (polyhedra) to
+/// 10 ms (super-ellipsoids near boxes).
 template <class S>
 ShapeInFlow<double> shape_in_flow(const S& body, const Vec3d& u, int turns = 48) {
   require(turns >= 2, "shape_in_flow: turns = ", turns, " [-] must be at least 2");
@@ -249,7 +249,7 @@ ShapeInFlow<double> shape_in_flow(const S& body, const Vec3d& u, int turns = 48)
           pi * seen_diameter / seen.perimeter};
 }
 
-/// Of a sphere all are 1.
+/// All 1 for a sphere.
 inline ShapeInFlow<double> shape_in_flow(const Sphere&, const Vec3d&) { return {}; }
 
 }  // namespace silt

@@ -5,10 +5,10 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// From particle-resolved simulation of fixed random arrays, p = 1 - eps:
+/// Drag fitted to particle-resolved simulations of fixed random arrays, p = 1 - eps:
 ///   Fhat = eps [F_i/eps^3 + 5.81 p/eps^3 + 0.48 p^(1/3)/eps^4
 ///               + p^3 Re (0.95 + 0.61 p^3/eps^2)],  F_i of schiller_naumann()
-/// The source's force holds the mean pressure gradient's part; the eps takes it out.
+/// The force in the source includes the mean pressure gradient; the factor eps removes it.
 /// Source: S. Tenneti, R. Garg, S. Subramaniam, Int. J. Multiphase Flow 37 (2011) 1072.
 /// Valid:  Re < 300, 0.1 <= p <= 0.5.
 struct Tenneti {

@@ -5,9 +5,10 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Fluidised beds, mostly dilute ones: Fhat = (C_D Re/24) eps^-3.65, C_D of schiller_naumann().
+/// Drag in fluidised beds, especially dilute ones: Fhat = (C_D Re/24) eps^-3.65, C_D of
+/// schiller_naumann().
 /// Source: C. Y. Wen, Y. H. Yu, Chem. Eng. Prog. Symp. Ser. 62 (1966) 100.
-/// Valid:  eps from 0.7 (a bed's measurements: 0.4) to 1.
+/// Valid:  eps from 0.7 (for measurements of beds 0.4) to 1.
 /// Tests:  tests/coupling/drag.cpp, as all sphere laws.
 struct WenYu {
   template <class Real>

@@ -5,26 +5,26 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Coefficients of drag, lift and pitching torque fitted to resolved simulation of four bodies:
+/// Coefficients of drag, lift and pitching torque fitted to resolved simulations of four bodies:
 ///
 ///   C_D = C_D0 + (C_D90 - C_D0) sin^a0,  C_D0 = a1/Re^a2 + a3/Re^a4,  C_D90 = a5/Re^a6 + a7/Re^a8
 ///   C_L = (b1/Re^b2 + b3/Re^b4) sin^(b5 + b6 Re^b7) cos^(b8 + b9 Re^b10),  C_T likewise with c
 ///
-/// of alpha in [0, pi/2], the angle between the slip and the way in which the body is long: the
-/// axis of rods, the plane of discs. So C_D90 is broadside on for both, and C_L of discs is along
-/// -e_L of drag/orientation.hpp. The functions below take sine and cosine of the angle between the
-/// slip and the axis of symmetry; d is of equal volume. drag_and_lift() and pitching_torque() make
-/// forces of them.
+/// of alpha in [0, pi/2], the angle between the slip and the long direction: the axis of rods, the
+/// plane of discs. C_D90 is thus broadside on for both, and C_L of discs is along -e_L of
+/// drag/orientation.hpp. The functions below take sine and cosine of the angle between the slip and
+/// the axis of symmetry; d is that of equal volume. drag_and_lift() and pitching_torque() compute
+/// the forces.
 ///
 /// Source: M. Zastawny, G. Mallouppas, F. Zhao, B. van Wachem, Int. J. Multiphase Flow 39 (2012)
 ///         227. The print was not read. All coefficients of both ellipsoids are those of a header
-///         for Basilisk, "Utility functions for spheroids" (drag_Zastawny2012 and others); of
-///         5 : 4 : 4 a solver of channel flow in Fortran (FLUID_TORQUE_ELLIPSOID) has them too.
-///         Disc and fibre are recalled, unverified; their drags broadside on are within 10 % of
-///         Hoelzer and Sommerfeld's law. That the disc's C_D90 is broadside on follows from the
-///         exact drag in slow flow: at Re = 0.1 the fit is 0.73 of it edge on and 0.93 broadside
-///         on; the other way round it would be 0.56 and 1.2.
-/// Valid:  0.1 < Re < 300; at Re = 0.1 the ellipsoids' drag is 12 to 18 % below the exact one.
+///         for Basilisk, "Utility functions for spheroids" (drag_Zastawny2012 and others); those of
+///         5 : 4 : 4 are also in a Fortran solver of channel flow (FLUID_TORQUE_ELLIPSOID). Disc
+///         and fibre are recalled, unverified; their drag broadside on is within 10 % of Hoelzer
+///         and Sommerfeld's law. That the disc's C_D90 is broadside on follows from the exact drag
+///         in slow flow: at Re = 0.1 the fit is 0.73 of it edge on and 0.93 broadside on; with the
+///         opposite assignment it would be 0.56 and 1.2.
+/// Valid:  0.1 < Re < 300; at Re = 0.1 the ellipsoids' drag is 12 to 18 % below the exact value.
 /// Shapes: Real = double, float or a pack. Tests: tests/coupling/non_spherical.cpp.
 struct Zastawny {
   double a[9], b[10], c[10];

@@ -9,22 +9,22 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Torque of a sheared and rotating fluid on an ellipsoid, which turns it as in Jeffery's orbits,
-/// and the fluid's resistance to its spin. In the principal frame, with semi-axes a, b, c,
+/// Torque of a sheared and rotating fluid on an ellipsoid, which causes Jeffery's orbits, including
+/// the resistance to its rotation. In the principal frame, with semi-axes a, b, c,
 ///
 ///   T_x = 16 pi mu/(3 (b^2 beta + c^2 gamma)) [(b^2 - c^2) e_yz + (b^2 + c^2)(w_x/2 - omega_x)]
-///   (1) beta = int_0^inf dl/((b^2 + l) sqrt((a^2 + l)(b^2 + l)(c^2 + l))), and so on
+///   beta = int_0^inf dl/((b^2 + l) sqrt((a^2 + l)(b^2 + l)(c^2 + l))), and so on       (1)
 ///
-/// e rates of strain and w curl [1/s] of the fluid's velocity, omega [rad/s] the body's. (1) is
-/// C (omega* - omega), omega* the spin without torque; it is integrated exactly over the step with
-/// C held, about each axis: T = (I/dt)(1 - exp(-C dt/I))(omega* - omega), and limits no step.
-/// Beyond Stokes flow C grows as that of a sphere (rotational_drag() at rho d^2 |omega* -
-/// omega|/mu).
+/// e rates of strain and w curl [1/s] of the fluid's velocity, omega [rad/s] of the body. (1) is C
+/// (omega* - omega), with omega* the rotation without torque. It is integrated exactly over the
+/// step with constant C, about each axis: T = (I/dt)(1 - exp(-C dt/I))(omega* - omega), and does
+/// not limit the step. Beyond Stokes flow C increases as that of a sphere (rotational_drag() at rho
+/// d^2 |omega* - omega|/mu). Bodies other than ellipsoids are replaced by the ellipsoid with their
+/// moments and volume; spheres are treated as spheres.
 ///
-/// Bodies other than ellipsoids are taken as the one with their moments and volume, spheres as
-/// such. Source: G. B. Jeffery, Proc. R. Soc. Lond. A 102 (1922) 161. Valid:  (1) for slow flow
-/// around the body, rho d^2 |e|/mu << 1. Lone bodies. Tests:  tests/coupling/oriented.cpp
-/// (period of the orbit).
+/// Source: G. B. Jeffery, Proc. R. Soc. Lond. A 102 (1922) 161.
+/// Valid:  (1) for slow flow around the body, rho d^2 |e|/mu << 1. Single bodies.
+/// Tests:  tests/coupling/oriented.cpp (period of the orbit).
 ///
 /// Units:  SI.
 /// Errors: none.

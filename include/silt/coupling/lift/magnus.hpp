@@ -5,9 +5,9 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Lift by spin (Magnus), and the fluid's torque on a spinning sphere. With the relative spin
-/// Omega = curl(u)/2 - particle's angular velocity [1/s], Re_R = rho d^2 |Omega|/mu,
-/// Re = rho d |W|/mu:
+/// Lift by rotation (Magnus), and the fluid's torque on a rotating sphere. With the relative
+/// rotation Omega = curl(u)/2 - particle's angular velocity [1/s], Re_R = rho d^2 |Omega|/mu, Re =
+/// rho d |W|/mu:
 ///
 ///   F = (pi/8) rho d^2 C_L |W| (Omega x W)/|Omega|                                            (1)
 ///   C_L = 0.45 + (Re_R/Re - 0.45) exp(-0.05684 Re_R^0.4 Re^0.3)                               (2)
@@ -15,7 +15,8 @@ namespace silt::inline SILT_TARGET {
 ///   C_R = 64 pi/Re_R for Re_R <= 32, 12.9/sqrt(Re_R) + 128.4/Re_R above                       (4)
 ///
 /// Limits: (1) (pi/8) rho d^3 (Omega x W) (Rubinow and Keller), (3) pi mu d^3 Omega (Stokes); (4)
-/// jumps by 0.2 % at 32. Particles get F [N] and T [N m]; both are 0 without slip or spin.
+///         jumps by 0.2 % at 32. F [N] and T [N m] act on the particle; both are 0 without slip or
+///         rotation.
 ///
 /// Source: B. Oesterle, T. Bui Dinh, Exp. Fluids 25 (1998) 16 (2); S. I. Rubinow, J. B. Keller,
 ///         J. Fluid Mech. 11 (1961) 447; S. C. R. Dennis, S. N. Singh, D. B. Ingham, J. Fluid Mech.
@@ -23,7 +24,7 @@ namespace silt::inline SILT_TARGET {
 /// Valid:  (2) Re < 140, (4) Re_R < 1000.
 /// Shapes: Real = double, float or a pack, lane = particle. Tests: tests/coupling/lift.cpp.
 struct OesterleBuiDinh {
-  /// (2).
+  /// Equation (2).
   template <class Real>
   static Real lift_coefficient(const Real& Re_spin, const Real& Re) {
     using detail::guarded;
@@ -33,7 +34,7 @@ struct OesterleBuiDinh {
     const Real E = one_minus_exponential(Real(lanes_of<Real>(0.05684) * x));
     return lanes_of<Real>(0.45) * E + Re_spin / guarded(Re) * (Real(1) - E);
   }
-  /// (1).
+  /// Equation (1).
   template <class Real>
   static Vec3<Real> force(const Real& d, const Real& rho, const Real& mu, const Vec3<Real>& W,
                           const Vec3<Real>& Omega) {
@@ -53,7 +54,7 @@ inline Real rotational_drag(const Real& Re_spin) {
   return select(Re_spin <= Real(32), Real(1), high);
 }
 
-/// (3) [N m].
+/// Equation (3) [N m].
 template <class Real>
 inline Vec3<Real> rotational_torque(const Real& d, const Real& rho, const Real& mu,
                                     const Vec3<Real>& Omega) {

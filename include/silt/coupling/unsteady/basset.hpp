@@ -15,20 +15,21 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Basset's history integral by the window method, set up for one time step:
+/// Basset's history integral by the window method, for a fixed time step:
 ///
 ///   I(t) = int_-inf^t g(s)/sqrt(t - s) ds + W(0)/sqrt(t - t0),  g = dW/dt                     (1)
 ///   window:  sum over the last N steps, g linear in each: exact for such g                     (2)
 ///   tail:    1/sqrt(t) ~ sum_i a_i sqrt(e/t_i) exp(-t/(2 t_i)) for t > t_win = N dt            (3)
-///            which needs one number a term: F_i <- e^-x F_i + what left the window, x = dt/(2 t_i)
+///            which needs one number per term: F_i <- e^-x F_i + part that left the window,
+///            x = dt/(2 t_i)
 ///
-/// The force is basset_coefficient() times I, W the slip [m/s] (fluid less particle).
+/// The force is basset_coefficient() times I, W the slip [m/s] (fluid minus particle).
 ///
 /// Source: M. A. T. van Hinsberg, J. H. M. ten Thije Boonkkamp, H. J. H. Clercx, J. Comput. Phys.
 ///         230 (2011) 1465.
-/// Errors: of the tail's kernel 0.07 % to 3 t_win, 0.3 % to 10, 0.7 % to 100, 3.4 % to 1000; of (2)
-///         of order dt^2 for smooth g. N = 10 to 30 with 20 steps or more a period serve.
-///         InputError for a step or a window out of range.
+/// Errors: kernel of the tail: 0.07 % up to 3 t_win, 0.3 % to 10, 0.7 % to 100, 3.4 % to 1000; (2):
+///         of order dt^2 for smooth g. N = 10 to 30 with at least 20 steps per period are
+///         sufficient. InputError for a step or a window out of range.
 /// Tests:  tests/coupling/unsteady.cpp.
 struct BassetKernel {
   static constexpr std::size_t terms = 10;
@@ -36,10 +37,10 @@ struct BassetKernel {
   double dt;                               // [s]
   std::size_t steps;                       // N
   std::vector<double> weight;              // [s^1/2] of g_0 (now) ... g_N in (2)
-  std::vector<double> first_weight;        // of g_k where nothing was before it
+  std::vector<double> first_weight;        // of g_k without a predecessor
   std::array<double, terms> decay;         // [-] e^-x
   std::array<double, terms> newer, older;  // [s^1/2] of g_N and g_N+1 in (3)
-  std::array<double, terms> at_window;     // [s^-1/2] the terms of (3) at t_win
+  std::array<double, terms> at_window;     // [s^-1/2] terms of (3) at t_win
 
   BassetKernel(double time_step, std::size_t window_steps) : dt(time_step), steps(window_steps) {
     require_positive("BassetKernel: time step", dt, "s");
@@ -79,7 +80,7 @@ struct BassetKernel {
   }
 
  private:
-  /// 1 - f and f - e^-x with f = (1 - e^-x)/x; their series where they would cancel.
+  /// 1 - f and f - e^-x with f = (1 - e^-x)/x; by series where they would cancel.
   static std::pair<double, double> leaving(double x) {
     if (x > 0.5) {
       const double f = -std::expm1(-x) / x;
@@ -94,13 +95,13 @@ struct BassetKernel {
   }
 };
 
-/// The history of many particles, each row of memory one quantity of all of them: the window and
-/// the tail take 3 (N + 12) numbers a particle (N = 10: 528 bytes in double, 264 in float). The
-/// same step for all; particles may start at any.
+/// History of many particles; each row of memory is one quantity of all. The window and the tail
+/// take 3 (N + 12) numbers per particle (N = 10: 528 bytes in double, 264 in float). All have the
+/// same step; particles may start at any step.
 ///
-/// A step: advance(); then for every particle its g at the new time from past(i) and newest(), and
-/// record(i, g). The integral is past(i) + newest() g. As g holds -dv/dt, put newest() times
-/// basset_coefficient() beside the mass, as with the virtual mass.
+/// In a step: advance(); then for every particle its g at the new time from past(i) and newest(),
+/// and record(i, g). The integral is past(i) + newest() g. As g contains -dv/dt, add newest() times
+/// basset_coefficient() to the mass, as with the virtual mass.
 template <class Scalar = double>
 class BassetHistory {
  public:
@@ -128,7 +129,7 @@ class BassetHistory {
     size_ = particles;
   }
 
-  /// Particle i begins now, with the slip W [m/s] and its rate g [m/s2]: nothing was before.
+  /// Starts particle i with the slip W [m/s] and its rate g [m/s2], without a history.
   void start(std::size_t i, const Vec3d& W, const Vec3d& g) {
     check(i);
     clear(i);
@@ -136,16 +137,16 @@ class BassetHistory {
     young_.push_back({i, 0, W, g});
     put(slot_row(0), i, g);
   }
-  /// Particle i begins now with the slip W, where what is recorded after each step is the mean of g
-  /// in it: past(i) + newest() g is then the mean of the integral over the step, and exact within
-  /// the window where g is constant in each. Its first step is `first` [-] of a step long; what is
+  /// Starts particle i with the slip W, with the mean of g in each step as the recorded value:
+  /// past(i) + newest() g is then the mean of the integral over the step, exact within the window
+  /// for g constant in each step. Its first step has the length `first` [-] of a step; the value
   /// recorded after it is the change of the slip over a whole step.
   void start_mean(std::size_t i, const Vec3d& W, double first = 1) {
     start(i, W, {0, 0, 0});
     young_.back().mean = true, young_.back().first = first;
   }
 
-  /// All that the future depends on, for the same kernel and number of particles.
+  /// Complete state, for the same kernel and number of particles.
   std::vector<double> state() const {
     std::vector<double> all{static_cast<double>(young_.size())};
     for (std::size_t k = 0; k < slots_; ++k) append_row(all, slot_row(k));
@@ -162,14 +163,14 @@ class BassetHistory {
     const bool whole = !all.empty() && all.size() > of_rows &&
                        all[0] == static_cast<double>((all.size() - 1 - of_rows) / of_young) &&
                        (all.size() - 1 - of_rows) % of_young == 0;
-    require(whole, "BassetHistory: a state of ", all.size(), " numbers does not fit to ", size_,
+    require(whole, "BassetHistory: a state of ", all.size(), " numbers does not match ", size_,
             " particles and a window of ", kernel_.steps, " steps");
     const double* next = all.data() + 1;
     for (const double* young = next + of_rows; young < all.data() + all.size(); young += of_young)
       require(young[0] >= 0 && young[0] < static_cast<double>(size_) &&
                   young[0] == std::floor(young[0]) && young[1] >= 0 &&
-                  young[1] < static_cast<double>(kernel_.steps) && young[1] == std::floor(young[1]) &&
-                  young[9] > 0 && young[9] <= 1,
+                  young[1] < static_cast<double>(kernel_.steps) &&
+                  young[1] == std::floor(young[1]) && young[9] > 0 && young[9] <= 1,
               "BassetHistory: a state with particle ", young[0], " of ", size_, ", new since ",
               young[1], " of ", kernel_.steps, " steps, the first ", young[9], " of a step long");
     head_ = 0;
@@ -197,14 +198,14 @@ class BassetHistory {
       if (Young y = young_[k]; y.particle == from) y.particle = to, young_.push_back(y);
   }
 
-  /// Goes on by one dt; the newest g of every particle is 0 until it is recorded.
+  /// Advances by one dt; the newest g of every particle is 0 until it is recorded.
   void advance() {
     advance([](std::size_t blocks, const auto& one) {
       for (std::size_t b = 0; b < blocks; ++b) one(b);
     });
   }
-  /// The same by a loop of yours: loop(n, one) calls one(0) ... one(n - 1), in any order, also at
-  /// the same time.
+  /// The same with a loop of the caller: loop(n, one) calls one(0) ... one(n - 1), in any order,
+  /// possibly in parallel.
   template <class Loop>
   void advance(const Loop& loop) {
     head_ = (head_ + slots_ - 1) % slots_;
@@ -214,7 +215,7 @@ class BassetHistory {
     correct_young();
   }
 
-  /// [m/s^(3/2)] What all but the newest g make of the integral.
+  /// [m/s^(3/2)] Part of the integral without the newest g.
   Vec3d past(std::size_t i) const {
     const Scalar* p = &values_[past_row() * stride_ + i];
     return {p[0], p[stride_], p[2 * stride_]};
@@ -233,7 +234,7 @@ class BassetHistory {
   using Real = typename Lanes<DefaultArch, Scalar>::Real;
   static constexpr std::size_t width = Lanes<DefaultArch, Scalar>::width;
 
-  /// A particle whose beginning is still in the window.
+  /// A particle that started within the window.
   struct Young {
     std::size_t particle, age;  // [-], [steps]
     Vec3d slip, rate;           // at its beginning
@@ -296,8 +297,8 @@ class BassetHistory {
     for (std::size_t j = 0; j < block; j += width) store<Real>(oldest + j, Real(Scalar(0)));
   }
 
-  /// Takes away the ramp of g before a particle's beginning, and adds the jump of its slip; both go
-  /// to the tail when they leave the window.
+  /// Removes the ramp of g before a particle's start, and adds the jump of its slip; both move to
+  /// the tail when they leave the window.
   void correct_young() {
     for (auto& y : young_) {
       const std::size_t k = ++y.age;
@@ -317,8 +318,8 @@ class BassetHistory {
     std::erase_if(young_, [&](const Young& y) { return y.age >= kernel_.steps; });
   }
 
-  /// What its g of a shorter first step makes beyond what the same change of the slip would in a
-  /// whole one.
+  /// Difference of the effect of g in a shorter first step to that of the same change of the slip
+  /// in a whole step.
   Vec3d short_first_step(Young& y) const {
     if (y.first == 1 || y.age < 2) return {0, 0, 0};
     if (y.age == 2) {

@@ -5,19 +5,18 @@
 
 #include <silt/core/lanes.hpp>
 
-/// Forces on a particle of volume V [m3] in a fluid that accelerates, beside drag and lift.
+/// Forces on a particle of volume V [m3] in an accelerating fluid, in addition to drag and lift.
 ///
 /// Symbols: Du/Dt [m/s2] acceleration of the undisturbed fluid, dv/dt the particle's, rho [kg/m3]
-/// of
-///          the fluid, d [m], mu [Pa s].
+/// of the fluid, d [m], mu [Pa s].
 /// Shapes:  Real = double, float or a pack, lane = particle; forces on the particle [N].
 /// Source:  M. R. Maxey, J. J. Riley, Phys. Fluids 26 (1983) 883; T. R. Auton, J. C. R. Hunt,
 ///          M. Prud'homme, J. Fluid Mech. 197 (1988) 241 (Du/Dt in the virtual mass).
 /// Tests:   tests/coupling/unsteady.cpp.
 namespace silt::inline SILT_TARGET {
 
-/// rho V/2 [kg] of a sphere. Virtual mass: F = virtual_mass (Du/Dt - dv/dt); as dv/dt is what is
-/// sought, put it beside the mass: (m + virtual_mass) dv/dt = virtual_mass Du/Dt + others.
+/// rho V/2 [kg] of a sphere. Virtual mass: F = virtual_mass (Du/Dt - dv/dt). As dv/dt is unknown,
+/// it is added to the mass: (m + virtual_mass) dv/dt = virtual_mass Du/Dt + others.
 template <class Real>
 inline Real virtual_mass(const Real& V, const Real& rho) {
   return Real(0.5) * rho * V;
@@ -32,8 +31,8 @@ inline Vec3<Real> acceleration_with_virtual_mass(const Vec3<Real>& others, const
   return (others + fluid_acceleration * added) * (Real(1) / (m + added));
 }
 
-/// -V grad p [N]. With the whole pressure buoyancy is in it. Far from other particles it equals
-/// rho V (Du/Dt - g) less the viscous stress below.
+/// -V grad p [N]. With the whole pressure it includes buoyancy. Far from other particles it equals
+/// rho V (Du/Dt - g) minus the viscous stress below.
 template <class Real>
 inline Vec3<Real> pressure_gradient_force(const Real& V, const Vec3<Real>& pressure_gradient) {
   return pressure_gradient * (-V);

@@ -16,29 +16,30 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Basset's history force in a CoupledFlow, by the window method, of every particle since it came:
+/// Basset's history force in a CoupledFlow, by the window method, for every particle since its
+/// start:
 ///
 ///   F = 1.5 d^2 sqrt(pi rho mu) [int_0^t g(s)/sqrt(t - s) ds + W(0)/sqrt(t)],  g = dW/dt       (1)
 ///
-/// W the slip (fluid less particle). What acts in a fluid step is the mean of (1) over it, exact
-/// (within the window) where g is constant in each step; the part of the step's own g is taken as
-/// an added mass, so that light particles are stable too, and the slip's jump W(0) as a particle
-/// begins, from the start or an inlet, counts as a sudden motion. The fluid's own acceleration in
-/// the step's g is Du/Dt of that step. Particles beyond the grid lose their history.
+/// W is the slip (fluid minus particle). The force in a fluid step is the mean of (1) over it,
+/// exact (within the window) for g constant in each step. The part of the present step's g is
+/// treated as an added mass, which makes light particles stable. The initial slip W(0) of a
+/// particle, at the start or from an inlet, counts as a sudden motion. The fluid's acceleration in
+/// the present step's g is Du/Dt of that step. Particles outside the grid lose their history.
 ///
 ///   auto fluid = silt::CoupledFlow{silt::Stokes{}, silt::Kernel{}, flow, silt::HistoryForce{},
 ///                                  silt::VirtualMass{}};
 ///   fluid.steps = 5;
 ///
-/// Particles are known by their ids, so that it does not matter how they lie in memory. 24 (N + 13)
-/// bytes a particle.
+/// Particles are identified by their ids, independent of their order in memory. 24 (N + 13) bytes
+/// per particle.
 ///
 /// Source: M. A. T. van Hinsberg, J. H. M. ten Thije Boonkkamp, H. J. H. Clercx, J. Comput. Phys.
 ///         230 (2011) 1465; BassetKernel.
-/// Valid:  lone spheres, Re << 1; at large Re it decays faster than (1).
-/// Errors: InputError where fluid steps are not of one length, but for the first, which may be
-///         shorter (leapfrog's first kick is half a step): say how many steps of particles they
-///         have (CoupledFlow.steps), and what those are (time_step).
+/// Valid:  single spheres, Re << 1; at large Re the real history force decays faster than (1).
+/// Errors: InputError if fluid steps differ in length, except the first, which may be shorter
+///         (leapfrog's first kick is half a step): set the number of particle steps
+///         (CoupledFlow.steps) and their length (time_step).
 /// Tests:  tests/coupling/history_force.cpp.
 /// Units:  SI.
 class HistoryForce {
@@ -46,7 +47,7 @@ class HistoryForce {
   static constexpr bool has_history = true;
 
   explicit HistoryForce(std::size_t window_steps = 20) : window_(window_steps) {
-    BassetKernel(1, window_);  // refuses what cannot be
+    BassetKernel(1, window_);  // refuses invalid values
   }
 
   Vec3d force_on(const InFluid& at) const {
@@ -58,15 +59,13 @@ class HistoryForce {
     return factor(at) * (history_ ? history_->newest() : std::sqrt(first_) * 4 / 3);
   }
 
-  /// A fluid step of dt [s] begins; slips [m/s] of particles with these ids, not numbers where
-  /// there is no fluid.
+  /// A fluid step of dt [s] begins; slips [m/s] of particles with these ids, NaN outside the fluid.
   void remember(std::span<const ParticleId> id, std::span<const Vec3d> slip, double dt,
                 const Team& team) {
     const double known = history_ ? history_->kernel().dt : first_;
-    require(
-        known == 0 || std::abs(dt - known) <= 1e-9 * known || (!history_ && dt > known),
-        "HistoryForce: a fluid step of ", dt, " s after ones of ", known,
-        " s, but its memory is of equal steps; set CoupledFlow.steps, and Simulation.time_step");
+    require(known == 0 || std::abs(dt - known) <= 1e-9 * known || (!history_ && dt > known),
+            "HistoryForce: a fluid step of ", dt, " s after ones of ", known,
+            " s, but it needs equal steps; set CoupledFlow.steps, and Simulation.time_step");
     const auto advance = [&] {
       if (!owner_.empty())
         history_->advance(
@@ -151,7 +150,7 @@ class HistoryForce {
   static double factor(const InFluid& at) {
     return basset_coefficient(at.diameter, at.density, at.viscosity);
   }
-  /// Fills the places of those that have left with the last ones.
+  /// Moves the last particles to the places of those that have left.
   void forget_those_not_in(std::span<const ParticleId> id, std::span<const Vec3d> slip) {
     here_.assign(owner_.size(), 0);
     for (std::size_t p = 0; p < id.size(); ++p)

@@ -15,40 +15,40 @@ namespace silt::inline SILT_TARGET::detail {
 /// those that the integrator keeps (Leapfrog: of the last half step).
 template <class Composition, class State, class Mover>
 class Owner {
-  static constexpr bool has_bodies = Composition::has_bodies;
+  static constexpr bool of_bodies = Composition::of_bodies;
 
  public:
   Owner(const State& state, const Mover& mover, std::size_t k)
       : state_(state), mover_(mover), k_(k) {}
 
   static std::size_t count(const State& state, const Mover& mover) {
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       return mover.owned();
     else
       return state.owned();
   }
 
   ParticleId id() const {
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       return mover_.bodies[k_].id;
     else
       return state_.id[k_];
   }
   bool is_there() const { return id() != no_particle; }
   Vec3d centre() const {  // [m]
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       return mover_.bodies[k_].centre;
     else
       return state_.position[k_].centre();
   }
   double radius() const {  // [m] of bodies that of the bounding sphere
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       return mover_.bodies[k_].radius;
     else
       return state_.position[k_].r;
   }
   double inverse_mass() const {  // [1/kg]; 0: fixed
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       return mover_.bodies[k_].inv_m;
     else
       return state_.motion[k_].inv_m;
@@ -58,13 +58,13 @@ class Owner {
     return inv_m > 0 ? 1 / inv_m : INFINITY;
   }
   Vec3d velocity() const {  // [m/s]
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       return mover_.bodies[k_].velocity;
     else
       return state_.motion[k_].velocity();
   }
   Vec3d angular_velocity() const {  // [rad/s]; of spheres that do not rotate 0
-    if constexpr (has_bodies) {
+    if constexpr (of_bodies) {
       const auto& b = mover_.bodies[k_];
       return b.angular_velocity(b.momentum);
     } else if constexpr (Composition::rotates) {
@@ -77,7 +77,7 @@ class Owner {
   // The same at the whole step, as an observer finds a simulation.
   Vec3d velocity_now() const { return mover_.synchronous[k_].velocity; }
   Vec3d angular_velocity_now() const {
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       return mover_.synchronous[k_].angular_velocity;
     else if constexpr (Composition::rotates)
       return mover_.synchronous[k_].spin_velocity * state_.motion[k_].inv_r;
@@ -85,7 +85,7 @@ class Owner {
       return {0, 0, 0};
   }
   double rotational_energy(const Vec3d& w) const {  // [J] at the angular velocity w [rad/s]
-    if constexpr (has_bodies) {
+    if constexpr (of_bodies) {
       const auto& b = mover_.bodies[k_];
       const Vec3d v = rotate(conjugate(b.orientation), w);
       return 0.5 * (b.inertia.x * v.x * v.x + b.inertia.y * v.y * v.y + b.inertia.z * v.z * v.z);
@@ -95,31 +95,31 @@ class Owner {
   }
   /// How fast its tips are [m/s] by the angular velocity w [rad/s]; spheres have none.
   double tip_speed([[maybe_unused]] const Vec3d& w) const {
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       return mover_.bodies[k_].tip_speed(rotate(conjugate(mover_.bodies[k_].orientation), w));
     else
       return 0;
   }
   Quaternion principal_axes() const {  // to space
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       return mover_.bodies[k_].orientation;
     else
       return {};
   }
   std::uint32_t form() const {
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       return mover_.bodies[k_].form;
     else
       return 0;
   }
   double scale() const {  // [-] of its form
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       return mover_.bodies[k_].scale;
     else
       return 1;
   }
   Quaternion orientation() const {  // turns the frame in which the form was given to space
-    if constexpr (has_bodies) {
+    if constexpr (of_bodies) {
       const auto& b = mover_.bodies[k_];
       return b.orientation * conjugate(mover_.forms[b.form].mass.axes);
     } else if constexpr (Composition::has_bonds) {
@@ -130,7 +130,7 @@ class Owner {
   }
   /// The row of a sphere, of a body that of its first part.
   std::size_t first_row() const {
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       return mover_.rows[mover_.bodies[k_].first];
     else
       return k_;
@@ -142,7 +142,7 @@ class Owner {
       return 0;
   }
   double volume() const {  // [m3]
-    if constexpr (has_bodies) {
+    if constexpr (of_bodies) {
       const auto& b = mover_.bodies[k_];
       return mover_.forms[b.form].mass.volume * b.scale * b.scale * b.scale;
     } else {

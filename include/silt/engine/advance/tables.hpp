@@ -31,19 +31,19 @@ struct MoverOf<true> {
 /// move. Of spheres they are one; of bodies rows are the parts.
 template <class Composition>
 class Tables {
-  static constexpr bool has_bodies = Composition::has_bodies;
+  static constexpr bool of_bodies = Composition::of_bodies;
   using Domain = typename Composition::Domain;
 
  public:
   using State = ParticleState<Composition>;
-  using Mover = typename MoverOf<has_bodies>::template type<Composition, State>;
+  using Mover = typename MoverOf<of_bodies>::template type<Composition, State>;
 
   State particles;  // rows
   Mover mover;      // owners, if they are no rows, and how they move
 
   /// The number of the particle that a row is, or belongs to.
   ParticleId id_of(std::size_t row) const {
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       return mover.bodies[particles.part[row].body].id;
     else
       return particles.id[row];
@@ -54,7 +54,7 @@ class Tables {
   /// [m3] of the particle at place k.
   double volume_of(std::size_t k) const {
     const auto p = owner(k);
-    if constexpr (has_bodies) {
+    if constexpr (of_bodies) {
       const double s = p.scale();
       return mover.forms[p.form()].mass.volume * s * s * s;
     } else {
@@ -63,7 +63,7 @@ class Tables {
   }
   /// Particles that are there.
   std::size_t present() const {
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       return static_cast<std::size_t>(std::count_if(
           mover.bodies.begin(), mover.bodies.begin() + static_cast<std::ptrdiff_t>(mover.owned()),
           [](const auto& b) { return b.id != no_particle; }));
@@ -72,7 +72,7 @@ class Tables {
   }
   /// Changes the velocity of the particle at place k by dv [m/s].
   void change_velocity(std::size_t k, const Vec3d& dv) {
-    if constexpr (has_bodies) {
+    if constexpr (of_bodies) {
       mover.bodies[k].velocity += dv;
     } else {
       auto& m = particles.motion[k];
@@ -81,7 +81,7 @@ class Tables {
   }
   /// Changes its angular velocity by dw [rad/s].
   void change_angular_velocity(std::size_t k, const Vec3d& dw) requires(Composition::rotates) {
-    if constexpr (has_bodies) {
+    if constexpr (of_bodies) {
       auto& b = mover.bodies[k];
       const Vec3d turned = rotate(conjugate(b.orientation), dw);
       b.momentum += {turned.x * b.inertia.x, turned.y * b.inertia.y, turned.z * b.inertia.z};
@@ -93,7 +93,7 @@ class Tables {
   }
   /// Records another angular velocity [rad/s] at the whole step.
   void set_angular_velocity_now(std::size_t k, const Vec3d& w) requires(Composition::rotates) {
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       mover.synchronous[k].angular_velocity = w;
     else
       mover.synchronous[k].spin_velocity = particles.position[k].r * w;
@@ -103,7 +103,7 @@ class Tables {
   /// way of its centre [m]) for each of its rows.
   template <class Grown>
   void set_radius(std::size_t k, double radius, const Grown& grown) {
-    if constexpr (has_bodies) {
+    if constexpr (of_bodies) {
       mover.set_radius(particles, k, radius, grown);
     } else {
       const double ratio = radius / particles.position[k].r,
@@ -126,7 +126,7 @@ class Tables {
   }
   void set_material(std::size_t k,
                     std::uint16_t material) requires(Composition::several_materials) {
-    if constexpr (has_bodies) {
+    if constexpr (of_bodies) {
       for (const std::uint32_t row : mover.rows_of(mover.bodies[k]))
         particles.material[row] = material;
     } else {
@@ -135,7 +135,7 @@ class Tables {
   }
   /// After the motion of the particle at place k was changed: what follows from it.
   void follow_motion(std::size_t k) {
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       mover.put_in_place(particles, mover.bodies[k]);
     else
       particles.renew_pair_motion(k);
@@ -144,7 +144,7 @@ class Tables {
   /// integrator predicts their next state from: free fall.
   void start_prediction([[maybe_unused]] std::size_t first, [[maybe_unused]] const Vec3d& gravity,
                         [[maybe_unused]] double dt) {
-    if constexpr (!has_bodies && State::derivative_rows > 0)
+    if constexpr (!of_bodies && State::derivative_rows > 0)
       for (std::size_t k = first; k < particles.owned(); ++k) {
         particles.derivatives[k] = {};
         if (particles.motion[k].inv_m == 0) continue;
@@ -172,7 +172,7 @@ class Tables {
   }
   /// The columns of modules, a row each owner.
   auto& modules() {
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       return mover.modules;
     else
       return particles.modules;
@@ -180,14 +180,30 @@ class Tables {
   const auto& modules() const { return const_cast<Tables&>(*this).modules(); }
   /// The place of the particle that a row is, or belongs to.
   std::size_t owner_of(std::size_t row) const {
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       return particles.part[row].body;
     else
       return row;
   }
+  /// Which part of its particle a row is [-]; of spheres 0.
+  std::uint32_t part_of([[maybe_unused]] std::uint32_t row) const {
+    if constexpr (of_bodies)
+      return particles.part[row].local;
+    else
+      return 0;
+  }
+  /// The centre of mass of a row's particle [m], beside the row.
+  Vec3d centre_beside(std::size_t row) const {
+    if constexpr (of_bodies) {
+      const auto& part = particles.part[row];
+      return mover.bodies[part.body].centre + part.image;
+    } else {
+      return particles.position[row].centre();
+    }
+  }
   /// What a fluid does to each particle (body, or row).
   auto& fluid_loads() {
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       return mover.fluid;
     else
       return particles.fluid;
@@ -195,14 +211,14 @@ class Tables {
   const auto& fluid_loads() const { return const_cast<Tables&>(*this).fluid_loads(); }
   /// What rotation adds to the inverse mass [1/kg] against a push along n at the surface of a row.
   double turning([[maybe_unused]] std::size_t row, [[maybe_unused]] const Vec3d& n) const {
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       return mover.turning(particles.part[row], n);
     else
       return 0;
   }
   /// Takes the particle at place k (a body, or a row) out of all contacts at once.
   void park(std::size_t k) {
-    if constexpr (has_bodies) {
+    if constexpr (of_bodies) {
       for (const std::uint32_t row : mover.rows_of(mover.bodies[k])) particles.park(row);
       mover.fluid.leave(k);
       park_row(mover.fluid, k), park_row(mover.modules, k);
@@ -220,7 +236,7 @@ class Tables {
   }
   /// After a search has sorted the parts and wrapped them into a periodic box.
   void follow([[maybe_unused]] const Domain& domain) {
-    if constexpr (has_bodies) {
+    if constexpr (of_bodies) {
       mover.follow(particles);
       if constexpr (Domain::periodic) mover.wrap(particles, domain);
     }

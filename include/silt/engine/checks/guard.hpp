@@ -112,7 +112,7 @@ struct SurfaceSpeed {
 
 template <class EngineType>
 SurfaceSpeed surface_speed(const EngineType& e, std::size_t place) {
-  if constexpr (EngineType::has_bodies) {
+  if constexpr (EngineType::of_bodies) {
     const Body& b = e.mover.bodies[place];
     const Vec3d w{b.momentum.x / b.inertia.x, b.momentum.y / b.inertia.y,
                   b.momentum.z / b.inertia.z};
@@ -133,7 +133,7 @@ template <class EngineType>
     const SurfaceSpeed s = surface_speed(e, k);
     if (s.id == no_particle || !(s.sum() > most.speed.sum())) continue;
     most.speed = s;
-    if constexpr (EngineType::has_bodies)
+    if constexpr (EngineType::of_bodies)
       most.centre = e.mover.bodies[k].centre;
     else
       most.centre = e.particles.position[k].centre();

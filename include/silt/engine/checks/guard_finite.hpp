@@ -65,7 +65,7 @@ void check_given(const EngineType& e, const Vec3d& gravity, std::int64_t step, d
       stop(sentence("the velocity of particle ", id, " at ", place, " m is ", velocity, " m/s"),
            {id}, place);
   };
-  if constexpr (EngineType::has_bodies) {
+  if constexpr (EngineType::of_bodies) {
     for (std::size_t k = 0; k < e.owners(); ++k)
       if (const auto b = e.owner(k); b.is_there()) look(b.id(), b.centre(), b.velocity());
   } else {

@@ -107,7 +107,7 @@ template <class EngineType, class Domain>
 /// Centre of the particle that a row is, or belongs to [m], `back` [s] ago.
 template <class EngineType>
 Vec3d centre_of_owner(const EngineType& e, std::size_t row, double back) {
-  if constexpr (EngineType::has_bodies) {
+  if constexpr (EngineType::of_bodies) {
     const Body& b = e.mover.bodies[e.owner_of(row)];
     return b.centre - back * b.velocity;
   } else {

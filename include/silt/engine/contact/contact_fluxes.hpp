@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -16,6 +15,7 @@
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/engine/contact/coefficients.hpp>
+#include <silt/engine/contact/touching_of.hpp>
 #include <silt/engine/state/module_columns.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -26,12 +26,6 @@ enum class FluxLook { Hold, Ask, Measure };
 /// Nothing flows between particles in contact.
 struct NoFluxes {
   static constexpr bool active = false, takes_loss = false, wears = false, needs_growth = false;
-};
-
-/// Whether a contact law says how much softer than its solids a contact is (Softened).
-template <class Law>
-concept SaysSoftness = requires(const typename Law::template Coefficients<double>& p) {
-  { Law::factor(p, 1.0, 1.0) } -> std::convertible_to<double>;
 };
 
 /// The fluxes of modules between particles in contact, asked for block by block once the contacts'
@@ -299,27 +293,6 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     }
   }
 
-  /// What a module sees of a pack of contacts, whose loads have taken the place of velocities.
-  template <class ContactsType, bool AtWall, class Block, class LawLanes>
-  static Touching<Real> touching(const Block& block, std::size_t k, const Scalar* growth,
-                                 [[maybe_unused]] const LawLanes& law) {
-    const auto kin = block.template get<Real>(k);
-    const auto loads = block.template get_load<Real>(k);
-    Real softness(1);
-    if constexpr (SaysSoftness<typename ContactsType::Law>) {
-      const auto radii = block.template get_radii<Real>(k);
-      softness = ContactsType::Law::factor(law(), radii.i, radii.j);
-    }
-    return {kin.normal,
-            loads.force,
-            dot(loads.force, kin.normal),
-            kin.overlap,
-            kin.R_eff,
-            kin.m_eff,
-            softness,
-            growth == nullptr ? Real(0) : load<Real>(growth + k),
-            AtWall};
-  }
   template <class ContactsType, class M, class Block, class Ends>
   void add_one(const Block& block, std::size_t count, const CoefficientTable<ContactsType>& table,
                const std::uint16_t* kinds, const Scalar* growth, const Ends& ends) {
@@ -332,7 +305,7 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
           own.choose(kinds + k);
           if constexpr (SaysSoftness<typename ContactsType::Law>) law.choose(kinds + k);
         }
-        flow_of<M>(touching<ContactsType, Ends::at_wall>(block, k, growth, law), own(), k,
+        flow_of<M>(touching_of<ContactsType, Ends::at_wall, Real>(block, k, growth, law), own(), k,
                    std::min(W, count - k), ends);
       }
     }

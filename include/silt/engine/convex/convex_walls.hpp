@@ -94,7 +94,33 @@ class ConvexWalls {
   void run_block(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
                  std::span<const Wall> walls, double* sums, std::size_t b) {
     Scratch s;
-    const auto candidates = contacts.block_candidates(b);
+    find_contacts(in, contacts, table, walls, contacts.block_candidates(b), s);
+    pad(s);
+    std::array<double*, H + 1> history{};
+    for (std::size_t h = 0; h < H; ++h) history[h] = s.history[h];
+    RunningTally<ContactsType, Real> running;
+    const bool has_area = Scratch::has_area && in.rows->has_area();
+    const Stage stage{in.times, table, fluxes};
+    if (has_area)
+      stage.run(s.kinematics, s.count, s.kind, history, Ends{s, has_area}, running,
+                AtAreaPoints{s.area, !Planes::in_lanes || in.times.renew_areas, s.gradient});
+    else
+      stage.run(s.kinematics, s.count, s.kind, history, Ends{s, has_area}, running,
+                AtOnePoint<double>{});
+    tallies_[b] = running.end();
+    if constexpr (keeps_events<ContactsType>) tallies_[b].notes.add(s.ended);
+    tallies_[b].largest = s.largest;
+    for (std::size_t k = 0; k < s.count; ++k) {
+      if (s.slot[k] == Scratch::no_slot) continue;
+      keep_history(contacts, s, k, has_area);
+      add_load(in, contacts, walls, sums, b, s, k, has_area);
+    }
+  }
+  /// Fills the block with the contacts of these candidates.
+  static void find_contacts(const Input& in, Contacts& contacts,
+                            const CoefficientTable<ContactsType>& table,
+                            std::span<const Wall> walls, std::span<const Candidate> candidates,
+                            Scratch& s) {
     if constexpr (Planes::in_lanes) {
       typename Planes::Near near;
       for (const Candidate& c : candidates)
@@ -109,52 +135,40 @@ class ConvexWalls {
       if (in.motions[c.particle].inv_m != 0 && !Planes::takes(walls[c.wall], c))
         touch(in, contacts, table, walls, candidates, candidates.subspan(k, next - k), s);
     }
-    pad(s);
-    std::array<double*, H + 1> history{};
-    for (std::size_t h = 0; h < H; ++h) history[h] = s.history[h];
-    RunningTally<ContactsType, Real> running;
-    const bool has_area = Scratch::has_area && in.rows->has_area();
+  }
+  static void keep_history(Contacts& contacts, const Scratch& s, std::size_t k, bool has_area) {
     const std::size_t kept = ContactsType::history_kept(has_area);
-    const Stage stage{in.times, table, fluxes};
-    if (has_area)
-      stage.run(s.kinematics, s.count, s.kind, history, Ends{s, has_area}, running,
-                AtAreaPoints{s.area, !Planes::in_lanes || in.times.renew_areas, s.gradient});
-    else
-      stage.run(s.kinematics, s.count, s.kind, history, Ends{s, has_area}, running,
-                AtOnePoint<double>{});
-    tallies_[b] = running.end();
-    if constexpr (keeps_events<ContactsType>) tallies_[b].notes.add(s.ended);
-    tallies_[b].largest = s.largest;
-    for (std::size_t k = 0; k < s.count; ++k) {
-      if (s.slot[k] == Scratch::no_slot) continue;
-      const Candidate& c = *s.of[k];
-      for (std::size_t h = 0; h < kept; ++h)  // R_eff has been kept already
-        contacts.history(h)[s.slot[k]] = s.history[h][k];
-      for (std::size_t h = more; h < H; ++h) contacts.history(h)[s.slot[k]] = s.history[h][k];
-      const auto at = [&](const auto& columns) {
-        return Vec3d{columns[0][k], columns[1][k], columns[2][k]};
-      };
-      const Vec3d n = at(s.kinematics.normal);
-      const Vec3d force = s.gradient[k] * s.kinematics.template get_load<double>(k).force;
-      Vec3d couple = (s.couple[k] * dot(force, n)) * n;
-      if (has_area) couple += s.gradient[k] * at(s.area.moment);
-      const Vec3d torque = cross(at(s.arm), force) + couple;
-      double* const sum = sums + c.particle * row;
-      sum[0] += force.x, sum[1] += force.y, sum[2] += force.z;
-      sum[4] += torque.x, sum[5] += torque.y, sum[6] += torque.z;
-      WallLoad& load = loads_[b * walls.size() + c.wall];
-      load.force -= force;
-      const Vec3d place = contacts.seen(c, at(s.place));
-      load.torque -= cross(place - walls[c.wall].reference, force) + couple;
-      if constexpr (Fluxes::wears)
-        if (is_mesh(walls[c.wall].surfaces[c.surface]))
-          wear_.add(b, *fluxes, c, walls[c.wall], contacts.facets(c),
-                    {place, n, force, s.rubs.velocity[k], 1 / in.motions[c.particle].inv_m,
-                     in.rows->pose[c.particle].least_radius, in.times.worked, s.rubs.begins[k]});
-      if (walls[c.wall].is_in_itself_moving())
-        load.power += dot(force, velocity_in_itself(walls[c.wall], c.surface, contacts.facets(c),
-                                                    place, n, in.times.step));
-    }
+    for (std::size_t h = 0; h < kept; ++h)  // R_eff has been kept already
+      contacts.history(h)[s.slot[k]] = s.history[h][k];
+    for (std::size_t h = more; h < H; ++h) contacts.history(h)[s.slot[k]] = s.history[h][k];
+  }
+  /// The load of contact k, onto the sums of its body and of the wall.
+  void add_load(const Input& in, const Contacts& contacts, std::span<const Wall> walls,
+                double* sums, std::size_t b, const Scratch& s, std::size_t k, bool has_area) {
+    const Candidate& c = *s.of[k];
+    const auto at = [&](const auto& columns) {
+      return Vec3d{columns[0][k], columns[1][k], columns[2][k]};
+    };
+    const Vec3d n = at(s.kinematics.normal);
+    const Vec3d force = s.gradient[k] * s.kinematics.template get_load<double>(k).force;
+    Vec3d couple = (s.couple[k] * dot(force, n)) * n;
+    if (has_area) couple += s.gradient[k] * at(s.area.moment);
+    const Vec3d torque = cross(at(s.arm), force) + couple;
+    double* const sum = sums + c.particle * row;
+    sum[0] += force.x, sum[1] += force.y, sum[2] += force.z;
+    sum[4] += torque.x, sum[5] += torque.y, sum[6] += torque.z;
+    WallLoad& load = loads_[b * walls.size() + c.wall];
+    load.force -= force;
+    const Vec3d place = contacts.seen(c, at(s.place));
+    load.torque -= cross(place - walls[c.wall].reference, force) + couple;
+    if constexpr (Fluxes::wears)
+      if (is_mesh(walls[c.wall].surfaces[c.surface]))
+        wear_.add(b, *fluxes, c, walls[c.wall], contacts.facets(c),
+                  {place, n, force, s.rubs.velocity[k], 1 / in.motions[c.particle].inv_m,
+                   in.rows->pose[c.particle].least_radius, in.times.worked, s.rubs.begins[k]});
+    if (walls[c.wall].is_in_itself_moving())
+      load.power += dot(force, velocity_in_itself(walls[c.wall], c.surface, contacts.facets(c),
+                                                  place, n, in.times.step));
   }
 
   static constexpr double same_contact = 0.8;  // cosine of the largest turn in one step

@@ -14,21 +14,25 @@
 #include <silt/engine/lists/box_images.hpp>
 #include <silt/engine/lists/flow_since.hpp>
 #include <silt/engine/lists/list_upkeep.hpp>
+#include <silt/engine/lists/newcomers.hpp>
 #include <silt/engine/lists/occupied_region.hpp>
-#include <silt/engine/lists/pair_list.hpp>
-#include <silt/engine/lists/wall_contacts.hpp>
+#include <silt/engine/lists/wall_candidate.hpp>
 #include <silt/engine/ranks/no_ranks.hpp>
+#include <silt/engine/state/composition.hpp>
 #include <silt/engine/state/particle_state.hpp>
 #include <silt/search/verlet_list.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The lists of what may touch soon, spheres and walls, and their renewal: which spheres reach how
-/// far (ListUpkeep), search, order of the particles in memory, pruning. Every loop over particles
-/// or pairs is shared between threads, none of which changes a result.
-template <std::size_t H, HistoryRows InRows, class Scalar, class State, class Search, class Domain,
-          class Arch, class Walls, class Mover>
+/// The lists of spheres and walls that may touch soon, and their renewal: how far each sphere
+/// reaches (ListUpkeep), the search, the order of the particles in memory, and pruning. Loops over
+/// particles and pairs are shared between threads; results do not depend on their number.
+template <class Composition, class Pairs, class Walls, class Mover>
 class NearLists {
+  using State = ParticleState<Composition>;
+  using Search = typename Composition::Search;
+  using Domain = typename Composition::Domain;
+
  public:
   /// What the lists are of.
   struct Scene {
@@ -42,7 +46,7 @@ class NearLists {
     Mover& mover;
   };
 
-  PairList<H, Scalar, InRows> pairs;
+  Pairs pairs;
   Walls walls;
   ListUpkeep upkeep;
   AlignedVector<Vec3d> reference;          // [m] positions at the last search
@@ -57,10 +61,10 @@ class NearLists {
   }
   /// Makes the next step search anew, whatever has moved.
   void forget() { upkeep.searched_at = upkeep.pruned_at = -1; }
-  /// True once after every pruning: what follows from the lists must follow.
+  /// True once after every pruning: then what is derived from the lists must be renewed.
   bool take_renewed() { return std::exchange(renewed_, false); }
 
-  /// Renews what is stale.
+  /// Prunes or searches, where the lists no longer hold.
   void renew(const Scene& scene, Search& search, std::int64_t step) {
     walls.range = scene.range, walls.planes_apart = !State::of_bodies;
     set_period(scene.domain);
@@ -78,8 +82,9 @@ class NearLists {
     upkeep.pruned_at = step;
   }
 
-  /// Takes in the rows from `first` on, which have just come. A few join the lists as they stand;
-  /// if many have come since the search, or reach farther than all before, the next step searches.
+  /// Adds the rows from `first` on, which are new. A few are added to the lists as they stand; if
+  /// many have come since the search, or one reaches farther than all before, the next step
+  /// searches.
   void join(const Scene& scene, std::size_t first) {
     if constexpr (flows || State::of_ranks) return forget();
     const std::size_t n = scene.particles.size();
@@ -104,16 +109,16 @@ class NearLists {
     renewed_ = true;
   }
 
-  /// Takes in pairs that were left out so far, as their bonds have just broken, with histories
-  /// that are carried along even if the next step searches.
+  /// Adds pairs that were left out so far because of their bonds, which have just broken. Their
+  /// histories are kept even if the next step searches.
   void join_pairs(const Scene& scene, std::span<const IndexPair> broken,
-                  const std::array<Scalar, H>& start) {
+                  const typename Pairs::Memory& start) {
     std::vector<NewPair> more;
     for (const IndexPair& p : broken) more.push_back({p, true});
     pairs.join(more, scene.particles.size(), start);
     renewed_ = true;
   }
-  /// Takes out rows that have just left.
+  /// Removes rows that have just left.
   void leave(const Scene& scene, std::span<const std::uint32_t> rows) {
     if (!hold_pairs()) return;
     pairs.leave(rows, scene.particles.size());
@@ -125,8 +130,8 @@ class NearLists {
     renewed_ = true;
   }
 
-  /// After row k has grown, see ListUpkeep::charge(). What has too little left of its reaches makes
-  /// the next step prune, or search.
+  /// To be called after row k has grown (ListUpkeep::charge()). If too little is left of its
+  /// reaches, the next step prunes or searches.
   void follow_growth(const Scene& scene, std::size_t k, double radius, double reach) {
     if (!hold_pairs() || k >= upkeep.outer.size()) return;
     if (scene.range > walls.range || flows) return forget();
@@ -135,10 +140,10 @@ class NearLists {
       upkeep.inner[k] = upkeep.per_inner2[k] = 0, upkeep.used = 1;
     }
   }
-  /// After what else is known of rows has changed: what follows from the lists must follow.
+  /// To be called after other properties of rows have changed.
   void follow_change() { renewed_ = upkeep.pruned_at >= 0; }
 
-  /// Tells of the box that walls repeat with.
+  /// Sets the period of walls that repeat with the box.
   void set_period([[maybe_unused]] const Domain& box) {
     if constexpr (Walls::repeats)
       walls.period = searched_walls.period = pruned_walls.period = period_of(box);
@@ -161,7 +166,8 @@ class NearLists {
   // --- newcomers ----------------------------------------------------------------------------
 
   bool hold_pairs() const { return keeps_list && upkeep.pruned_at >= 0; }
-  /// Their pairs stand in the groups of the last rows, which one thread computes.
+  /// The most rows with few enough newcomers: their pairs are in the groups of the last rows, which
+  /// one thread computes.
   static std::size_t most_with_newcomers(std::size_t before) { return before + before / 64 + 8; }
 
   void join_walls(const Scene& scene, std::size_t first) {
@@ -171,7 +177,7 @@ class NearLists {
       grown_[k] = scene.particles.position[k];
       grown_[k].r += upkeep.outer[k] + scene.range / 2;
     }
-    // As in Newcomers: walls that have moved since the search may do so again, backwards.
+    // As in Newcomers: walls may move back by as much as they have moved since the search.
     const double travel = searched_walls.travel(scene.walls);
     walls.join(scene.walls, {grown_.data(), n}, first, upkeep.outer_wall + travel + scene.range / 2,
                scene.domain);
@@ -181,16 +187,16 @@ class NearLists {
     walls.prune(scene.walls, scene.particles.position.data(), upkeep.inner.data(),
                 upkeep.inner_wall + travelled + scene.range, scene.team);
   }
-  /// Between two prunings. The walls' way is a displacement since the last one, so that one that
-  /// has gone some way may go it back, and as far again.
+  /// The same between two prunings. A wall's way is its displacement since the last pruning: it may
+  /// go back by that much, and as far again to the other side.
   void prune_walls_again(const Scene& scene) {
     prune_walls(scene, pruned_walls.travel(scene.walls));
   }
 
   // --- how far the lists reach --------------------------------------------------------------
 
-  /// The speeds [m/s] that particles may soon have: their own, and most of the fastest neighbour's,
-  /// which may hit them.
+  /// The speeds [m/s] that particles may soon have: their own, or most of that of the fastest
+  /// neighbour, which may hit them.
   void anticipate_speeds(const Scene& scene) {
     constexpr double passed_on = 0.75;
     const std::size_t n = scene.particles.size();
@@ -239,8 +245,8 @@ class NearLists {
     }
   }
 
-  /// Grows spheres by their outer reaches, and half the law's range: those that overlap then are
-  /// the pairs of the outer list.
+  /// Grows spheres by their outer reaches and half the law's range. The outer list has the pairs
+  /// that then overlap.
   void reach_out(const Scene& scene, double wall_speed) {
     const std::size_t n = scene.particles.size();
     upkeep.outer.resize(n), grown_.resize(n);
@@ -284,8 +290,8 @@ class NearLists {
 
   // --- search -------------------------------------------------------------------------------
 
-  /// Whether this search is to bring the particles into the order of their cells: one that is
-  /// renewed at every step would spend more time on sorting than it gains.
+  /// Whether this search sorts the particles by cells. A search at every step would spend more time
+  /// on sorting than it gains.
   static bool is_to_sort([[maybe_unused]] const Search& search, std::int64_t step) {
     if constexpr (keeps_list)
       return search.sort;
@@ -293,83 +299,23 @@ class NearLists {
       return step % 1000 == 0;
   }
 
-  void find_pairs(const Scene& scene, Search& search, double wall_speed, std::int64_t step) {
-    State& particles = scene.particles;
-    const Team& team = scene.team;
-    std::size_t before = particles.size();
-    previous_.resize(before);
-    std::iota(previous_.begin(), previous_.end(), 0u);
-    if constexpr (State::of_ranks)
-      change_ranks(scene, step);
-    else if (particles.parked > 0)
-      drop_parked(scene);
-    if constexpr (Domain::periodic) {
-      if constexpr (!State::of_ranks) wrap(scene);
-      check_range(scene.domain, scene.particles, scene.range);
-    }
-    choose_skins(scene, search, wall_speed);
-    reach_out(scene, wall_speed);
-
-    auto& find = finder_of(search);
-    const auto grown_rows = [&] {
-      return std::span<const PositionRow>(grown_.data(), grown_.size());
-    };
-    const auto spheres = [&] { return SphereSet{grown_rows(), largest_grown_}; };
-    bool is_found = false;
-    if constexpr (requires { find.order(spheres(), 0.0, scene.domain, team, order_); })
-      if (is_to_sort(search, step)) {
-        if constexpr (flows)
-          find.order(spheres(), 0.0, OpenDomain{}, team, order_);
-        else
-          find.order(spheres(), 0.0, scene.domain, team, order_);
-        apply_order(scene);
-        if constexpr (flows || State::of_ranks)
-          ;
-        else if constexpr (requires { find.find_ordered(0.0, scene.domain, team, found_); })
-          find.find_ordered(0.0, scene.domain, team, found_), is_found = true;
-      }
-    if constexpr (State::of_ranks)
-      scene.ranks.meet("the order of a search"), add_ghosts(scene), before = change_.places();
-    if constexpr (flows)
-      images_.find(find, grown_rows(), largest_grown_, scene.domain, team, found_), flow.search();
-    else if (!is_found)
-      find.find(spheres(), 0.0, scene.domain, team, found_);
-    pairs.set_outer(found_, particles, before, team);
-    if constexpr (State::of_ranks) pairs.take_in(change_.pairs_brought(rows_of(scene)));
-    if (found_.size() > 1000000) found_ = {};  // its memory would lie idle until the next search
-    const double of_walls = upkeep.outer_wall + scene.range / 2;
-    walls.search(scene.walls, {grown_.data(), particles.owned()}, of_walls, previous_, scene.domain,
-                 team, particles.size());
-    if constexpr (State::of_ranks) walls.take_in(change_.walls_brought());
-    if constexpr (State::bonded)
-      std::erase_if(walls.found(),
-                    [&bonds = particles.bonds, &id = particles.id](const WallCandidate& c) {
-                      return bonds.holds(id[c.particle], bonds.id_of_wall(c.wall));
-                    });
-
-    if constexpr (State::of_ranks) scene.ranks.meet("a search");
-    reference.resize(particles.size());
-    team.for_ranges(particles.size(), [&](std::size_t, std::size_t from, std::size_t to) {
-      for (std::size_t k = from; k < to; ++k) reference[k] = particles.position[k].centre();
-    });
-    searched_walls.set(scene.walls, occupied_region(scene).grown(largest_grown_ + of_walls));
-    first_pruning_ = true;
+  void find_pairs(const Scene& scene, Search& search, double wall_speed, std::int64_t step);
+  /// Notes the present order of rows. Then removes those that have left and wraps the others into
+  /// a periodic box; on many ranks passes them to the ranks that own their positions.
+  void take_stock(const Scene& scene, std::int64_t step);
+  /// The spheres, grown by their reaches.
+  SphereSet grown() const {
+    return {std::span<const PositionRow>(grown_.data(), grown_.size()), largest_grown_};
   }
+  /// Sorts the rows by cells, if this search does so. Returns whether that has found the pairs too.
+  bool sort_rows(const Scene& scene, Search& search, std::int64_t step);
+  void find_near(const Scene& scene, Search& search);
+  /// Finds spheres near walls, without those that are bonded to the wall.
+  void find_walls(const Scene& scene, double reach);
+  /// Notes the positions of particles and walls, from which their displacements are measured.
+  void mark_places(const Scene& scene, double of_walls);
 
-  void wrap(const Scene& scene) {
-    auto& position = scene.particles.position;
-    scene.team.for_ranges(
-        scene.particles.size(), [&](std::size_t, std::size_t from, std::size_t to) {
-          for (std::size_t k = from; k < to; ++k) {
-            const Vec3d p = scene.domain.wrapped(position[k].centre());
-            if constexpr (State::of_bodies)
-              scene.particles.part[k].image += p - position[k].centre();
-            if constexpr (flows)
-              scene.particles.add_velocity(k, scene.domain.carried(p - position[k].centre()));
-            position[k] = {p.x, p.y, p.z, position[k].r};
-          }
-        });
-  }
+  void wrap(const Scene& scene);
 
   Box occupied_region(const Scene& scene) const {
     const Box region = detail::occupied_region(scene.particles, scene.team);
@@ -377,48 +323,15 @@ class NearLists {
     return region;
   }
 
-  // --- ranks --------------------------------------------------------------------------------
-
   auto rows_of(const Scene& scene) {
     return typename Change::Rows{scene.particles, scene.mover, previous_, anticipated_, scene.team};
   }
-  void change_ranks(const Scene& scene, std::int64_t step) {
-    if constexpr (Domain::periodic) {
-      wrap(scene);
-      if constexpr (State::of_bodies) scene.mover.wrap(scene.particles, scene.domain);
-    }
-    scene.ranks.meet("the start of a search");
-    walls.set_aside();
-    change_.move(scene.ranks, rows_of(scene), pairs, walls, step);
-  }
-  void add_ghosts(const Scene& scene) {
-    const std::size_t owned = scene.particles.size();
-    change_.add_ghosts(scene.ranks, rows_of(scene), {grown_.data(), owned}, scene.domain,
-                       upkeep.outer);
-    grown_.resize(scene.particles.size());
-    for (std::size_t k = owned; k < grown_.size(); ++k) {
-      grown_[k] = scene.particles.position[k];
-      grown_[k].r += upkeep.outer[k] + scene.range / 2;
-    }
-    for (const PositionRow& p : grown_) largest_grown_ = std::max(largest_grown_, p.r);
-    largest_grown_ = scene.ranks.max_of(largest_grown_);
-  }
+  void change_ranks(const Scene& scene, std::int64_t step);
+  void add_ghosts(const Scene& scene);
 
-  void drop_parked(const Scene& scene) {
-    order_.clear();
-    for (std::uint32_t k = 0; k < scene.particles.size(); ++k)
-      if (!scene.particles.is_parked(k)) order_.push_back(k);
-    scene.particles.reorder(order_, scene.team);
-    gather(previous_, order_, scene.team), gather(anticipated_, order_, scene.team);
-    scene.particles.parked = 0;
-    scene.particles.measure();
-  }
+  void drop_parked(const Scene& scene);
 
-  void apply_order(const Scene& scene) {
-    scene.particles.reorder(order_, scene.team);
-    gather(previous_, order_, scene.team);
-    gather(upkeep.outer, order_, scene.team), gather(grown_, order_, scene.team);
-  }
+  void apply_order(const Scene& scene);
 
   // --- pruning ------------------------------------------------------------------------------
 
@@ -431,8 +344,8 @@ class NearLists {
         grown_[k] = rows[k], grown_[k].r += upkeep.inner[k] + scene.range / 2;
     });
     const std::span<const std::uint32_t> none, before(previous_);
-    pairs.template prune<Arch>({grown_.data(), n}, scene.domain, first_pruning_ ? before : none,
-                               scene.team);
+    pairs.template prune<typename Composition::Arch>({grown_.data(), n}, scene.domain,
+                                                     first_pruning_ ? before : none, scene.team);
     prune_walls(scene, 0);
     pruned_walls.set(scene.walls, searched_walls.region());
     upkeep.used = 0;
@@ -449,7 +362,7 @@ class NearLists {
     return most;
   }
 
-  using Change = RankChange<State, Mover, PairList<H, Scalar, InRows>, Walls>;
+  using Change = RankChange<State, Mover, Pairs, Walls>;
   struct NoChange {};
   [[no_unique_address]] std::conditional_t<State::of_ranks, Change, NoChange> change_;
   [[no_unique_address]] std::conditional_t<flows, BoxImages, NoFlow> images_;
@@ -462,3 +375,5 @@ class NearLists {
 };
 
 }  // namespace silt::detail
+
+#include <silt/engine/lists/find_pairs.hpp>

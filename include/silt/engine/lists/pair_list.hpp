@@ -77,8 +77,8 @@ class PairList {
   /// Whether the second rows of histories are in use.
   void use_more_history(bool yes) { history_.use_more(yes); }
 
-  /// Takes over newly found pairs; those of two fixed particles, or of one body, are left out.
-  /// `before`: how many particles there were when the old list was current.
+  /// Makes the outer list of newly found pairs, without those of two fixed particles or of one
+  /// body. `before`: how many particles there were when the old list was current.
   template <class State>
   void set_outer(std::span<const IndexPair> found, const State& particles, std::size_t before,
                  const Team& team) {
@@ -93,67 +93,23 @@ class PairList {
     history_.clear();
   }
 
-  /// What pairs of particles remember that came with the last search, by the places before it.
+  /// Adds the histories of pairs whose particles came with the last search, by places before it.
   void take_in(std::span<const Brought> more) { archive_.add(more); }
   bool remembers(std::size_t place) const { return history_.remembers(place); }
   Memory memory(std::size_t place) const { return history_.values(place); }
 
-  /// After so many rows have come in front of the ghosts, the rows from `first` on: what is known
-  /// of pairs stays with them until the next search. `particles`: how many there are now.
-  void make_way(std::size_t first, std::size_t more, std::size_t particles) {
-    std::vector<Brought> known;
-    const auto moved = [&](std::uint32_t row) {
-      return row >= first ? row + static_cast<std::uint32_t>(more) : row;
-    };
-    for_each([&](std::size_t k) {
-      if (remembers(k)) known.push_back({moved(first_[k]), moved(second_[k]), memory(k)});
-    });
-    restore(state_of(known, particles), particles);
-  }
-  /// Takes in pairs of particles that have come since the search: at the end of their groups, which
-  /// in the inner list have gaps behind them, so that most often nothing moves. `particles`: how
-  /// many there are now. Their histories are `start`.
+  /// To be called after `more` rows were inserted in front of the ghosts, which begin at `first`:
+  /// histories stay with their pairs until the next search. `particles`: how many there are now.
+  void make_way(std::size_t first, std::size_t more, std::size_t particles);
+  /// Adds pairs of particles that have come since the search, with the history `start`. They stand
+  /// at the end of their groups; the inner list has gaps there, so most often nothing is moved.
+  /// `particles`: how many there are now.
   void join(std::span<const NewPair> more, std::size_t particles,
-            const std::array<Scalar, H>& start = {}) {
-    std::vector<std::size_t> outer_more(groups_.count(), 0), inner_more(groups_.count(), 0);
-    for (const NewPair& p : more) {
-      const std::size_t g = groups_.of(p.pair.a, p.pair.b);
-      ++outer_more[g], inner_more[g] += p.near;
-    }
-    std::vector<std::size_t> outer_end = make_way_outer(outer_more);
-    std::vector<std::size_t> inner_end = make_way_inner(inner_more, outer_more);
-    for (const NewPair& p : more) {
-      const std::size_t g = groups_.of(p.pair.a, p.pair.b), place = outer_end[g]++;
-      outer_[place] = p.pair;
-      if (!p.near) continue;
-      const std::size_t k = inner_end[g]++;
-      first_[k] = p.pair.a, second_[k] = p.pair.b;
-      origin_[k] = static_cast<std::uint32_t>(place);
-      history_.set(k, start);
-    }
-    cut_into_chunks();
-    pad(particles);
-  }
+            const std::array<Scalar, H>& start = {});
 
-  /// Takes the pairs of these rows, which have left, out of the inner list; in the outer one they
-  /// are never near again. `particles`: how many rows there are.
-  void leave(std::span<const std::uint32_t> rows, std::size_t particles) {
-    const auto [least, most] = std::minmax_element(rows.begin(), rows.end());
-    const auto is_gone = [&, least = *least, most = *most](std::uint32_t row) {
-      return row >= least && row <= most && std::find(rows.begin(), rows.end(), row) != rows.end();
-    };
-    for (Group& g : inner_group_) {
-      std::size_t to = g.from;
-      for (std::size_t k = g.from; k < g.to; ++k) {
-        if (is_gone(first_[k]) || is_gone(second_[k])) continue;
-        if (to != k) move(k, to);
-        ++to;
-      }
-      size_ -= g.to - to;
-      g.to = to;
-    }
-    pad(particles);
-  }
+  /// Removes the pairs of these rows, which have left, from the inner list. In the outer one they
+  /// will not be near again. `particles`: how many rows there are.
+  void leave(std::span<const std::uint32_t> rows, std::size_t particles);
 
   /// Calls visit(a, b) for all outer pairs; at the same time only for pairs without a common
   /// particle.
@@ -221,7 +177,7 @@ class PairList {
     });
     return s;
   }
-  /// Lists of nothing but pairs that remember something, for the next search to go on from.
+  /// Lists of only the pairs with a history, from which the next search goes on.
   static State state_of(std::span<const Brought> pairs, std::size_t particles) {
     const PairGroups groups(particles);
     std::vector<std::uint32_t> order(pairs.size());
@@ -291,52 +247,10 @@ class PairList {
 
   /// Makes room for more[g] pairs at the end of each group of the outer list; returns where they
   /// go.
-  std::vector<std::size_t> make_way_outer(std::span<const std::size_t> more) {
-    std::vector<std::size_t> end(groups_.count());
-    std::size_t shift = std::accumulate(more.begin(), more.end(), std::size_t(0));
-    outer_.resize(outer_.size() + shift);
-    outer_begin_.resize(groups_.count() + 1, 0);
-    for (std::size_t g = groups_.count(); g-- > 0;) {
-      const std::size_t from = outer_begin_[g], to = outer_begin_[g + 1];
-      outer_begin_[g + 1] += shift;
-      shift -= more[g];
-      if (shift > 0)
-        std::move_backward(outer_.begin() + static_cast<std::ptrdiff_t>(from),
-                           outer_.begin() + static_cast<std::ptrdiff_t>(to),
-                           outer_.begin() + static_cast<std::ptrdiff_t>(to + shift));
-      end[g] = to + shift;
-    }
-    return end;
-  }
+  std::vector<std::size_t> make_way_outer(std::span<const std::size_t> more);
   /// The same in the inner list, whose origins follow what has moved in the outer one.
   std::vector<std::size_t> make_way_inner(std::span<const std::size_t> more,
-                                          std::span<const std::size_t> outer_more) {
-    std::vector<Group> now(groups_.count());
-    inner_group_.resize(groups_.count());
-    std::size_t next = 0, outer_shift = 0;
-    for (std::size_t g = 0; g < groups_.count(); ++g) {
-      const std::size_t size = inner_group_[g].size();
-      now[g].from = std::max(pieces(next, padding) * padding, inner_group_[g].from);
-      now[g].to = now[g].from + size;
-      next = now[g].to + more[g];
-      if (outer_shift > 0)
-        for (std::size_t k = inner_group_[g].from; k < inner_group_[g].to; ++k)
-          origin_[k] += static_cast<std::uint32_t>(outer_shift);
-      outer_shift += outer_more[g], size_ += more[g];
-    }
-    const std::size_t padded = std::max(pieces(next, padding) * padding, origin_.size());
-    first_.resize(padded + ahead), second_.resize(padded + ahead);
-    origin_.resize(padded), history_.extend(padded);
-    std::vector<std::size_t> end(groups_.count());
-    for (std::size_t g = groups_.count(); g-- > 0;) {
-      const auto [from, to] = inner_group_[g];
-      const std::size_t shift = now[g].from - from;
-      for (std::size_t k = shift > 0 ? to : from; k-- > from;) move(k, k + shift);
-      end[g] = now[g].to;
-      inner_group_[g] = {now[g].from, now[g].to + more[g]};
-    }
-    return end;
-  }
+                                          std::span<const std::size_t> outer_more);
 
   /// Gives each chunk and group its place in the inner list by what each chunk keeps.
   void lay_out() {
@@ -438,3 +352,5 @@ class PairList {
 };
 
 }  // namespace silt::detail
+
+#include <silt/engine/lists/pair_list_edits.hpp>

@@ -103,37 +103,22 @@ class WallContacts {
     collect(outer_, outer_facets_);
   }
 
-  /// Sets aside what contacts remember; kept_of() has it then, of the particle at a place.
+  /// Puts the histories of contacts aside; then kept_of() has those of the particle at a place.
   void set_aside() { archive(); }
   std::span<const Kept> kept_of(std::uint32_t particle) const {
     const auto before = [](const Kept& kept, std::uint32_t k) { return kept.particle < k; };
     const auto from = std::lower_bound(archive_.begin(), archive_.end(), particle, before);
     return {from, std::lower_bound(from, archive_.end(), particle + 1, before)};
   }
-  /// Takes in what contacts of particles remember that came with the last search, by their places
-  /// before it.
+  /// Adds the histories of contacts whose particles came with the last search, by places before it.
   void take_in(std::span<const Kept> brought) {
     if (brought.empty()) return;
     archive_.insert(archive_.end(), brought.begin(), brought.end());
     std::stable_sort(archive_.begin(), archive_.end(), by_key);
   }
 
-  /// Makes lists of nothing but these contacts, for the next search to go on from.
-  void remember(std::vector<Kept> contacts, std::span<const Wall> walls, std::size_t particles) {
-    particles_ = static_cast<std::uint32_t>(particles);
-    std::stable_sort(contacts.begin(), contacts.end(), by_key);
-    outer_.clear(), outer_facets_.clear(), inner_facets_.clear();
-    for (const Kept& c : contacts) {
-      const auto k = static_cast<std::uint32_t>(outer_.size());
-      const Candidate next{WallCandidate{c.particle, c.wall, c.surface, 0, 0, 0, k}};
-      if (k == 0 || !same_surface(outer_.back(), next)) outer_.push_back(next);
-    }
-    inner_ = outer_;
-    archive_ = std::move(contacts), previous_.clear(), renewed_ = true;
-    part_planes(walls), lay_out_slots(walls), lay_out_planes(walls);
-    recall();
-    renewed_ = false;
-  }
+  /// Makes lists of only these contacts, from which the next search goes on.
+  void remember(std::vector<Kept> contacts, std::span<const Wall> walls, std::size_t particles);
 
   std::vector<Candidate>& found() { return outer_; }  // by the last search, to leave some out
 
@@ -152,8 +137,8 @@ class WallContacts {
     found.clear();
   }
 
-  /// Keeps of those found the ones nearer than the sphere's and the wall's reach [m] now; history
-  /// stays with its contact.
+  /// Keeps those candidates that are now nearer than the reaches [m] of sphere and wall; histories
+  /// stay with their contacts.
   void prune(std::span<const Wall> walls, const PositionRow* rows, const double* reach,
              double wall_reach, const Team& team) {
     if (!renewed_) archive();
@@ -179,8 +164,8 @@ class WallContacts {
     renewed_ = false;
   }
 
-  /// The triangles of a wall are others now: nothing is found at it until the next search, while
-  /// contacts keep their memory.
+  /// To be called after the triangles of a wall have changed: no contacts are found there until the
+  /// next search, but they keep their histories.
   void forget_facets(std::size_t wall) {
     for (auto* const all : {&outer_, &inner_})
       for (Candidate& c : *all)
@@ -195,66 +180,15 @@ class WallContacts {
     std::array<std::vector<double>, H> history;
     std::vector<std::uint64_t> pieces;  // first candidate at planes of each piece, and the end
   };
-  State state() const {
-    State s{outer_, inner_, outer_facets_, inner_facets_, slots_, {}, {}};
-    s.pieces.assign(piece_begin_.begin(), piece_begin_.end());
-    for (std::size_t h = 0; h < H; ++h) s.history[h].assign(history_[h].begin(), history_[h].end());
-    return s;
-  }
-  void restore(State s, std::span<const Wall> walls, std::size_t particles) {
-    particles_ = static_cast<std::uint32_t>(particles);
-    outer_ = std::move(s.outer), inner_ = std::move(s.inner);
-    outer_facets_ = std::move(s.outer_facets), inner_facets_ = std::move(s.inner_facets);
-    // Blocks by the slots as they were: a wall may have lost its surfaces since.
-    piece_begin_.assign(s.pieces.begin(), s.pieces.end());
-    block_begin_.clear();
-    for (std::size_t k = 0; k < planes_from(); ++k)
-      if (inner_[k].slot / block >= block_begin_.size()) block_begin_.push_back(k);
-    if (planes_from() > 0) block_begin_.push_back(planes_from());
-    slots_ = std::move(s.slots);
-    for (std::size_t h = 0; h < H; ++h) {
-      history_[h].resize(s.history[h].size());
-      for (std::size_t k = 0; k < s.history[h].size(); ++k)
-        history_[h][k] = static_cast<Scalar>(s.history[h][k]);
-    }
-    lay_out_planes(walls);
-    renewed_ = false;
-  }
+  State state() const;
+  void restore(State s, std::span<const Wall> walls, std::size_t particles);
 
-  /// Whether the inner candidates of a state stand where a pruning puts them, in slots of their
-  /// own: blocks are worked on by several threads at a time.
-  bool is_laid_out(const State& s, std::span<const Wall> walls) const {
-    WallContacts fresh;
-    fresh.planes_apart = planes_apart, fresh.inner_ = s.inner;
-    std::sort(fresh.inner_.begin(), fresh.inner_.end(),
-              [](const Candidate& a, const Candidate& b) { return a.origin < b.origin; });
-    fresh.part_planes(walls), fresh.lay_out_slots(walls);
-    const auto same = [](const Candidate& a, const Candidate& b) {
-      return a.key() == b.key() && a.slot == b.slot && a.origin == b.origin;
-    };
-    return std::equal(s.inner.begin(), s.inner.end(), fresh.inner_.begin(), same) &&
-           std::equal(s.pieces.begin(), s.pieces.end(), fresh.piece_begin_.begin(),
-                      fresh.piece_begin_.end()) &&
-           s.slots.size() == fresh.slots_.size();
-  }
-  /// The least that a state must hold to, where walls were taken away since the lists were made, so
-  /// that they only tell of the contacts that were: archive() finds slots for all candidates.
-  static bool has_slots(const State& s) {
-    if (s.pieces.empty() || s.pieces.back() != s.inner.size() ||
-        !std::is_sorted(s.pieces.begin(), s.pieces.end()) || s.slots.size() % padding != 0)
-      return false;
-    const std::size_t first_plane = s.pieces.front();
-    for (std::size_t k = 0; k < s.inner.size(); ++k) {
-      const std::size_t slot = s.inner[k].slot, last = k == 0 ? 0 : s.inner[k - 1].slot;
-      const bool next_block = k > 0 && slot / block != last / block;
-      if (k > 0 && slot <= last) return false;
-      if (k < first_plane && (slot / block > (k > 0 ? last / block + next_block : 0) ||
-                              pieces(slot + 1, block) * block > s.slots.size()))
-        return false;
-      if (slot >= s.slots.size()) return false;
-    }
-    return true;
-  }
+  /// Whether the inner candidates of a state are where a pruning puts them, each in slots of its
+  /// own: several threads work on the blocks at a time.
+  bool is_laid_out(const State& s, std::span<const Wall> walls) const;
+  /// The weaker condition if walls were removed since the lists were made, and these only tell of
+  /// past contacts: archive() finds slots for all candidates.
+  static bool has_slots(const State& s);
 
   static constexpr std::size_t slots_of(const Surface& surface) {
     return visit_surface(surface, [](const auto& s) {
@@ -432,3 +366,5 @@ class WallContacts {
 };
 
 }  // namespace silt::detail
+
+#include <silt/engine/lists/wall_contacts_state.hpp>

@@ -45,7 +45,7 @@ struct NamesToCome {
 template <class Engine, class ParticlesType>
 std::vector<std::size_t> take_in_forms(Engine& e, const ParticlesType& more) {
   std::vector<std::size_t> numbers;
-  if constexpr (Engine::has_bodies) {
+  if constexpr (Engine::of_bodies) {
     auto& forms = e.mover.forms;
     const std::size_t known = added_forms(e.mover);
     NamesToCome names;
@@ -76,7 +76,7 @@ struct NextIds {
 template <class Engine, class Particle, class Visit>
 void for_rows_to_come([[maybe_unused]] const Engine& e, const Particle& p,
                       [[maybe_unused]] std::span<const std::size_t> numbers, const Visit& visit) {
-  if constexpr (Engine::has_bodies) {
+  if constexpr (Engine::of_bodies) {
     const auto& form = e.mover.forms[numbers.empty() ? p.form : numbers[p.form]];
     for (const auto& part : form.parts) visit(p.radius / form.radius * part.radius);
   } else {
@@ -87,7 +87,7 @@ void for_rows_to_come([[maybe_unused]] const Engine& e, const Particle& p,
 /// [kg] of a particle that comes, whose form is numbered as those of the engine.
 template <class Engine, class Particle>
 double mass_to_come([[maybe_unused]] const Engine& e, const Particle& p) {
-  if constexpr (Engine::has_bodies) {
+  if constexpr (Engine::of_bodies) {
     const auto& form = e.mover.forms[p.form];
     const double scale = p.radius / form.radius;
     return p.density * form.mass.volume * scale * scale * scale;
@@ -121,7 +121,7 @@ void take_in(Engine& e, std::span<const Particle> more,
              [[maybe_unused]] std::span<const std::size_t> numbers, bool observed, NextIds& next) {
   auto& mover = e.mover;
   const std::size_t first_row = e.particles.size();
-  if constexpr (Engine::has_bodies) {
+  if constexpr (Engine::of_bodies) {
     auto first = static_cast<std::uint32_t>(mover.rows.size());
     for (const auto& p : more) {
       const auto number = static_cast<std::uint32_t>(numbers.empty() ? p.form : numbers[p.form]);
@@ -174,7 +174,7 @@ void take_in_own(Engine& e, std::span<const Particle> more, std::span<const std:
   auto& p = e.particles;
   const std::size_t before = p.owned();
   // Newcomers stand behind the ghosts for now, and so do their velocities.
-  if constexpr (Engine::has_bodies)
+  if constexpr (Engine::of_bodies)
     if (observed) e.mover.synchronous.resize(e.mover.bodies.size());
   // A rank that has none so far knows of sizes what all have agreed on, which stays.
   const bool none = e.ranks.present() == 0;
@@ -186,7 +186,7 @@ void take_in_own(Engine& e, std::span<const Particle> more, std::span<const std:
     const bool takes = takes_one(place, k);
     for_rows_to_come(e, more[k], numbers, [&](double radius) {
       largest = std::max(largest, radius), smallest = std::min(smallest, radius);
-      if (Engine::has_bodies && !takes) ++next.part;
+      if (Engine::of_bodies && !takes) ++next.part;
     });
     p.some_fixed |= more[k].fixed;
     if (takes)
@@ -229,7 +229,7 @@ Meetings meetings_of(const Engine& e, const std::vector<Inlet>& inlets, std::siz
     const auto p = e.owner(k);
     if (!p.is_there()) continue;
     auto& of_material = all.spheres[p.material()];
-    if constexpr (Engine::has_bodies) {
+    if constexpr (Engine::of_bodies) {
       if (p.inverse_mass() > 0) {
         e.mover.forms[p.form()].include_lightest(of_material, p.scale(), p.mass());
         continue;
@@ -244,7 +244,7 @@ Meetings meetings_of(const Engine& e, const std::vector<Inlet>& inlets, std::siz
       const InletShare kind = flow.kind(k);
       for (const double r : {kind.radius.min(), kind.radius.max()}) {
         auto& of_material = all.spheres[kind.material];
-        if constexpr (Engine::has_bodies) {
+        if constexpr (Engine::of_bodies) {
           const auto& form = e.mover.forms.at(kind.form);
           const double scale = r / form.radius;
           form.include_lightest(of_material, scale,
@@ -271,7 +271,7 @@ void check_form([[maybe_unused]] const Engine& e, const InletFlow& flow) {
   for (std::size_t k = 0; k < flow.kinds(); ++k) {
     const std::size_t form = flow.kind(k).form;
     const char* const of = k == 0 ? "InletFlow.form = " : "InletShare.form = ";
-    if constexpr (Engine::has_bodies)
+    if constexpr (Engine::of_bodies)
       require(form < added_forms(e.mover), of, form, " is none of the ", added_forms(e.mover),
               " forms of the simulation; make it with add_form before");
     else
@@ -290,7 +290,7 @@ InletFlow with_number(const Engine& e, InletFlow flow) {
   for (std::size_t k = 0; k < flow.kinds(); ++k) {
     const InletShare kind = flow.kind(k);
     double fill;  // [-] volume over that of the bounding sphere
-    if constexpr (Engine::has_bodies) {
+    if constexpr (Engine::of_bodies) {
       const auto& form = e.mover.forms.at(kind.form);
       fill = form.mass.volume / sphere_volume(form.radius);
     } else {

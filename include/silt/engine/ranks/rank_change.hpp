@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <silt/core/threads.hpp>
+#include <silt/engine/ranks/choose_ghosts.hpp>
 #include <silt/engine/ranks/packed.hpp>
 #include <silt/engine/ranks/rank_stage.hpp>
 
@@ -171,7 +172,7 @@ class RankChange {
       particles.part.back().body = bodies.place_of(particles.part.back().body);
   }
 
-  /// RankStage::choose_ghosts; of bodies all parts. These are looked at where the body has them,
+  /// ghosts_in_reach(); of bodies all parts. These are looked at where the body has them,
   /// not wrapped into a periodic box: those that hang out of it would be far from the others.
   template <class Stage, class Domain>
   static auto choose_ghosts(Stage& ranks, const Rows& rows, std::span<const PositionRow> grown,
@@ -182,11 +183,11 @@ class RankChange {
         const Vec3d at = grown[k].centre() - rows.particles.part[k].image;
         in_body[k] = {at.x, at.y, at.z, grown[k].r};
       }
-      auto to = ranks.choose_ghosts(std::span<const PositionRow>(in_body), domain);
+      auto to = ghosts_in_reach(ranks.comm(), std::span<const PositionRow>(in_body), domain);
       for (auto& some : to) take_whole_bodies(rows.particles, rows.mover, some);
       return to;
     } else {
-      return ranks.choose_ghosts(grown, domain);
+      return ghosts_in_reach(ranks.comm(), grown, domain);
     }
   }
 

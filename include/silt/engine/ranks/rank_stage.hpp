@@ -18,27 +18,17 @@
 #include <utility>
 #include <vector>
 
-#include <silt/boundary/wall_drive.hpp>
 #include <silt/core/box.hpp>
 #include <silt/core/position_row.hpp>
 #include <silt/engine/ranks/no_ranks.hpp>
 #include <silt/engine/ranks/packed.hpp>
+#include <silt/engine/ranks/passed_rows.hpp>
 #include <silt/engine/ranks/rank_bodies.hpp>
+#include <silt/engine/ranks/rank_wall_loads.hpp>
 #include <silt/parallel/agree.hpp>
 #include <silt/parallel/ranks.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
-
-/// What passes between a rank and another at each step: rows of its own that the other has as
-/// ghosts, and its ghosts that the other owns.
-struct RankNeighbour {
-  int rank;
-  std::vector<std::uint32_t> send;   // own rows
-  std::uint32_t first = 0, end = 0;  // ghost rows
-  // Of bodies: the same of them, whose parts the rows are.
-  std::vector<std::uint32_t> send_bodies{};
-  std::uint32_t first_body = 0, end_body = 0;
-};
 
 /// What has been counted since the start, of this rank.
 struct RankCounts {
@@ -48,25 +38,26 @@ struct RankCounts {
   Load load;                              // of all ranks, at the last search, before it
 };
 
-/// What bonds do at a search, for RankChange, which knows no model of them (RankBonds).
+/// The part of bonds in a search, for RankChange, which knows no bond models (RankBonds).
 class BondsAtSearch {
  public:
   virtual ~BondsAtSearch() = default;
-  /// Before particles pass on: own row k goes to rank to[k]; -1: it has left.
+  /// Before particles migrate: own row k goes to rank to[k]; -1: it has left.
   virtual void leave(std::span<const int> to) = 0;
-  /// Afterwards: passes on their bonds. Returns for each rank own rows that it must have as ghosts
+  /// After that: sends their bonds. Returns for each rank the own rows that it must have as ghosts
   /// (collective).
   virtual std::vector<std::vector<std::uint32_t>> pass() = 0;
 };
 
-/// The engine's part in a run on many ranks: who owns which particle, which ghosts go where, and
-/// what all must agree on. Every function that says so is collective: all ranks call it at the same
-/// place of the program.
+/// The engine's part in a run on many ranks: which rank owns which particle, which ghosts it needs,
+/// and what all ranks must agree on. Functions marked as collective must be called by all ranks at
+/// the same point of the program.
 ///
-/// A rank owns the particles in its part of the space, as the decomposition says at each search. Of
-/// others' it has ghosts behind its own rows: all those that its own may touch before the next
-/// search. A pair of an own particle and a ghost is computed on both ranks, from the same numbers
-/// and in the same orientation (by ids), so that both remember the same.
+/// A rank owns the particles in its part of the space, which the decomposition assigns at each
+/// search. Behind its own rows it has ghosts: copies of other ranks' particles, all that its own
+/// may touch before the next search. A pair of an own particle and a ghost is computed on both
+/// ranks, from the same numbers and in the same orientation (by ids), so both keep the same
+/// history.
 template <class Policy>
 class RankStage {
  public:
@@ -78,13 +69,13 @@ class RankStage {
 
   void set(Policy policy) { policy_ = std::move(policy); }
   const auto& comm() const { return policy_->comm; }
-  /// Does what ranks do by themselves; all throw what one has thrown (collective).
+  /// Calls work() on each rank; if one throws, all throw that error (collective).
   template <class Work>
   void together(const char* call, const Work& work) const {
     silt::together(policy_->comm, call, [&] { throw_late(), work(); });
   }
-  /// What a rank does by itself where all go on without meeting: what it throws is thrown where
-  /// they do something together next, or in the next step.
+  /// Calls work() without waiting for the other ranks; what it throws is thrown at the next
+  /// collective call, or in the next step.
   template <class Work>
   void until_later(const Work& work) const {
     if (size() == 1) return work();
@@ -97,7 +88,7 @@ class RankStage {
   void throw_late() const {
     if (late_) std::rethrow_exception(std::exchange(late_, nullptr));
   }
-  /// ... with numbers most() of each rank after that, which become the largest of all.
+  /// The same; then reduces the numbers that most() returns: each becomes the largest of all ranks.
   template <class Work, class Most>
   auto together(const char* call, const Work& work, const Most& most) const {
     is_agreed() = false;
@@ -111,18 +102,18 @@ class RankStage {
     silt::agree(policy_->comm, call, error, all);
     return all;
   }
-  /// Where ranks meet before they talk: those that have failed say so here, and all throw it.
+  /// Before a message between ranks: if one has failed, all throw its error (collective).
   void meet(const char* call) const {
     silt::agree(policy_->comm, call, std::exchange(late_, nullptr));
   }
-  /// ... with an error of this one, or none, and numbers that become the largest of all.
+  /// The same with an error of this rank, or none; each number becomes the largest of all ranks.
   void agree(const char* call, const std::exception_ptr& error, std::span<double> most) const {
     const std::exception_ptr before = std::exchange(late_, nullptr);
     silt::agree(policy_->comm, call, before ? before : error, most);
   }
   int rank() const { return policy_->comm.rank(); }
   int size() const { return policy_->comm.size(); }
-  /// The part of `all` things that this rank takes, before anybody owns them: first and end.
+  /// This rank's part of `all` things that nobody owns yet: first and end.
   std::pair<std::size_t, std::size_t> share_of(std::size_t all) const {
     const auto r = static_cast<std::size_t>(rank()), n = static_cast<std::size_t>(size());
     return {all * r / n, all * (r + 1) / n};
@@ -183,8 +174,8 @@ class RankStage {
 
   // --- at each step (collective) ------------------------------------------------------------
 
-  /// Gives the ghosts the places and motions that they have on their own ranks: the first call
-  /// sends, the second receives.
+  /// Copies the positions and motions of ghosts from their own ranks: the first call sends, the
+  /// second receives.
   template <class State, class Mover>
   void begin_refresh(State& particles, Mover& mover) {
     with_refreshed(particles, mover, [this](const auto&... passed) { this->begin(passed...); });
@@ -194,77 +185,44 @@ class RankStage {
     if (under_way_)
       with_refreshed(particles, mover, [this](const auto&... passed) { this->finish(passed...); });
   }
-  /// Likewise the numbers of a column.
+  /// The same for the numbers of a column.
   template <class Column>
   void share(Column& column) {
-    const auto passed = rows_of<double>([&](std::uint32_t k) { return column[k]; },
-                                        [&](std::uint32_t k, double value) { column[k] = value; });
+    const auto passed =
+        pass_rows<double>([&](std::uint32_t k) { return column[k]; },
+                          [&](std::uint32_t k, double value) { column[k] = value; });
     begin(passed);
     if (under_way_) finish(passed);
   }
 
-  /// Makes the loads of walls, which are those of own particles, the loads of all ranks' particles;
-  /// unless for `all`, of walls with a drive alone, which need them at each step, and without their
-  /// impulses. One message, or none.
+  /// RankWallLoads::share(); one message, or none (collective).
   template <class Walls>
   void share_loads(Walls& walls, bool all) {
-    if (size() == 1) return;
-    shared_.resize(walls.size()), own_.resize(walls.size());
-    const auto for_each_number = [&](const auto& number) {
-      for (std::size_t w = 0; w < walls.size(); ++w) {
-        auto& wall = walls[w];
-        if (!all && !wall.is_driven()) continue;
-        const auto vector = [&](Vec3d& v) { number(v.x), number(v.y), number(v.z); };
-        vector(wall.force), vector(wall.torque);
-        if (is_servo(wall.drive)) number(of_servos[w][0]), number(of_servos[w][1]);
-        if (!all) continue;
-        vector(wall.impulse), vector(wall.angular_impulse), number(wall.belt_power);
-      }
-    };
-    for (std::size_t w = 0; all && w < walls.size(); ++w) {
-      own_[w].impulse += walls[w].impulse - shared_[w].impulse;
-      own_[w].angular += walls[w].angular_impulse - shared_[w].angular;
-      walls[w].impulse = own_[w].impulse, walls[w].angular_impulse = own_[w].angular;
-    }
-    std::vector<double> numbers;
-    for_each_number([&](double x) { numbers.push_back(x); });
-    if (numbers.empty()) return;
-    sum_of(numbers);
-    const double* next = numbers.data();
-    for_each_number([&](double& x) { x = *next++; });
-    for (std::size_t w = 0; all && w < walls.size(); ++w)
-      shared_[w] = {walls[w].impulse, walls[w].angular_impulse};
+    if (size() > 1)
+      wall_loads_.share(walls, all, of_servos, [this](std::span<double> x) { sum_of(x); });
   }
-  /// After the point that the loads of wall w are taken about has moved: by `back` [m] to the one
-  /// before.
-  void move_reference(std::size_t w, const Vec3d& back) {
-    if (w >= own_.size()) return;
-    own_[w].angular += cross(back, own_[w].impulse);
-    shared_[w].angular += cross(back, shared_[w].impulse);
-  }
+  /// RankWallLoads::move_reference()
+  void move_reference(std::size_t w, const Vec3d& back) { wall_loads_.move_reference(w, back); }
 
   // --- what a checkpoint keeps --------------------------------------------------------------
 
-  struct Impulses {
-    Vec3d impulse{0, 0, 0}, angular{0, 0, 0};  // [N s], [N m s]
-  };
   struct State {
-    std::vector<Impulses> own, shared;  // of walls: by own particles; by all, when last shared
+    RankWallLoads loads;
     std::size_t present = 0;
     std::int64_t last_step = 0;
     double lost = 0, moved = -1;  // Rebalance
   };
   State state(std::size_t walls) const {
-    State s{own_, shared_, present_, last_step_, policy_->rebalance.lost, policy_->rebalance.moved};
-    s.own.resize(walls), s.shared.resize(walls);
+    State s{wall_loads_, present_, last_step_, policy_->rebalance.lost, policy_->rebalance.moved};
+    s.loads.resize(walls);
     return s;
   }
   void restore(State s) {
-    own_ = std::move(s.own), shared_ = std::move(s.shared), present_ = s.present;
+    wall_loads_ = std::move(s.loads), present_ = s.present;
     last_step_ = s.last_step, policy_->rebalance.lost = s.lost, policy_->rebalance.moved = s.moved;
   }
   using PartsType = std::remove_cvref_t<decltype(std::declval<Policy&>().parts)>;
-  /// Whether the decomposition tells what it remembers, by for_each_state(visit).
+  /// Whether the decomposition has a state to save, by for_each_state(visit).
   template <class Visit>
   static constexpr bool tells_parts = std::copyable<PartsType>&& requires(PartsType& parts,
                                                                           Visit& visit) {
@@ -277,8 +235,8 @@ class RankStage {
 
   // --- at a search (collective) -------------------------------------------------------------
 
-  /// The rank that each of the own rows goes to; -1 those that have left. Bodies go as a whole.
-  /// `weights`: the work that each row makes in a step.
+  /// The rank that each own row goes to, -1 for those that have left. Bodies are not divided.
+  /// `weights`: the work of each row in a step.
   template <class State, class Mover>
   std::vector<int> choose_ranks(const State& particles, const Mover& mover,
                                 std::span<const double> weights, std::int64_t step) {
@@ -312,8 +270,8 @@ class RankStage {
     return to;
   }
 
-  /// Whether a particle that comes to this place [m] is this rank's; of those before the first
-  /// search, or where places say nothing, each rank takes a part of what comes.
+  /// Whether this rank owns a new particle at this position [m]. Before the first search, or if the
+  /// decomposition does not go by position, each rank takes a part of `of` new particles.
   bool takes(const Vec3d& place, std::size_t k, std::size_t of) const {
     using Parts = decltype(Policy::parts);
     if constexpr (Parts::by_place)
@@ -333,7 +291,7 @@ class RankStage {
     }
     return gather(policy_->comm, std::span<const PositionRow>(own)).values;
   }
-  /// Makes what own particles have added to outlets what all ranks' have (collective).
+  /// Turns what own particles have added to outlets into what those of all ranks have (collective).
   template <class Outlets>
   void share_left(Outlets& outlets, const Outlets& before) {
     std::vector<double> left;
@@ -348,14 +306,14 @@ class RankStage {
       present_ -= count;
     }
   }
-  /// So many rows have come in front of the ghosts.
+  /// To be called after `more` rows were inserted in front of the ghosts.
   void make_way(std::size_t more) {
     for (RankNeighbour& other : neighbours)
       other.first += static_cast<std::uint32_t>(more),
           other.end += static_cast<std::uint32_t>(more);
   }
 
-  /// What comes from each rank for what goes to each.
+  /// Sends each rank its bytes; returns what has come from each (collective).
   std::vector<Arrival> pass(std::vector<Packed>& out) {
     std::vector<Outgoing> messages;
     for (std::size_t r = 0; r < out.size(); ++r)
@@ -366,101 +324,7 @@ class RankStage {
     return deliver(policy_->comm, messages);
   }
 
-  /// Which own rows each rank must have as ghosts: those that may touch one of its own, of spheres
-  /// that are grown by how far they reach.
-  template <class Domain>
-  std::vector<std::vector<std::uint32_t>> choose_ghosts(std::span<const PositionRow> grown,
-                                                        const Domain& domain) {
-    Box own;
-    double largest = 0;
-    for (const PositionRow& p : grown) own.include(p.centre()), largest = std::max(largest, p.r);
-    const std::array<double, 7> part{own.min.x, own.min.y, own.min.z, own.max.x,
-                                     own.max.y, own.max.z, largest};
-    const auto parts = gather(policy_->comm, std::span<const double>(part));
-    std::vector<std::vector<std::uint32_t>> to(static_cast<std::size_t>(size()));
-    for (int r = 0; r < size(); ++r) {
-      const auto other = parts[r];
-      if (r == rank() || !(other[0] <= other[3])) continue;  // it has no particles
-      const Vec3d centre{(other[0] + other[3]) / 2, (other[1] + other[4]) / 2,
-                         (other[2] + other[5]) / 2},
-          half{(other[3] - other[0]) / 2, (other[4] - other[1]) / 2, (other[5] - other[2]) / 2};
-      for (std::uint32_t k = 0; k < grown.size(); ++k) {
-        Vec3d d = grown[k].centre() - centre;
-        if constexpr (Domain::periodic) d = domain.shortest(d);
-        const Vec3d out{std::max(std::abs(d.x) - half.x, 0.0),
-                        std::max(std::abs(d.y) - half.y, 0.0),
-                        std::max(std::abs(d.z) - half.z, 0.0)};
-        const double reach = grown[k].r + other[6];
-        if (dot(out, out) < (1 + 1e-12) * reach * reach)
-          to[static_cast<std::size_t>(r)].push_back(k);
-      }
-    }
-    return to;
-  }
-
  private:
-  /// What is sent of each row of a kind (rows, or bodies) and set in the ghost of it.
-  template <class Value, bool OfBodies, class Get, class Set>
-  struct Passed {
-    static constexpr std::size_t bytes = sizeof(Value);
-    Get get;
-    Set set;
-    static const auto& sent(const RankNeighbour& n) { return OfBodies ? n.send_bodies : n.send; }
-    static std::uint32_t first(const RankNeighbour& n) { return OfBodies ? n.first_body : n.first; }
-    static std::uint32_t end(const RankNeighbour& n) { return OfBodies ? n.end_body : n.end; }
-    void put(const RankNeighbour& n, std::byte*& to) const {
-      for (const std::uint32_t k : sent(n)) {
-        const Value value = get(k);
-        std::memcpy(to, &value, bytes), to += bytes;
-      }
-    }
-    void take(const RankNeighbour& n, const std::byte*& from) const {
-      for (std::uint32_t k = first(n); k < end(n); ++k) {
-        Value value;
-        std::memcpy(&value, from, bytes), from += bytes;
-        set(k, value);
-      }
-    }
-  };
-  template <class Value, class Get, class Set>
-  static auto rows_of(Get get, Set set) {
-    return Passed<Value, false, Get, Set>{get, set};
-  }
-  template <class Value, class Get, class Set>
-  static auto bodies_of(Get get, Set set) {
-    return Passed<Value, true, Get, Set>{get, set};
-  }
-
-  template <class State, class Mover, class Visit>
-  static void with_refreshed(State& particles, [[maybe_unused]] Mover& mover, const Visit& visit) {
-    const auto rows = rows_of<RowState<State, Mover>>(
-        [&](std::uint32_t k) { return RowState<State, Mover>::of(particles, mover, k); },
-        [&](std::uint32_t k, const auto& row) { row.give(particles, mover, k); });
-    if constexpr (State::of_bodies)
-      with_fields<true>(
-          mover.modules, visit, rows,
-          bodies_of<BodyState>([&](std::uint32_t k) { return BodyState::of(mover, k); },
-                               [&](std::uint32_t k, const BodyState& b) { b.give(mover, k); }));
-    else
-      with_fields<false>(particles.modules, visit, rows);
-  }
-  /// ... and with what fluxes of modules read, if there are any; of bodies, or rows.
-  template <bool OfBodies, class Columns, class Visit, class... Passed>
-  static void with_fields([[maybe_unused]] Columns& columns, const Visit& visit,
-                          const Passed&... passed) {
-    using Fields = typename Columns::ForFlux;
-    if constexpr (std::tuple_size_v < Fields >> 0) {
-      const auto get = [&](std::uint32_t k) { return columns.for_flux(k); };
-      const auto set = [&](std::uint32_t k, const Fields& f) { columns.set_for_flux(k, f); };
-      if constexpr (OfBodies)
-        visit(passed..., bodies_of<Fields>(get, set));
-      else
-        visit(passed..., rows_of<Fields>(get, set));
-    } else {
-      visit(passed...);
-    }
-  }
-
   /// Sends one message to each neighbour.
   template <class... Passed>
   void begin(const Passed&... passed) {
@@ -482,7 +346,7 @@ class RankStage {
     }
     under_way_.emplace(policy_->comm.exchange(sends, receives));
   }
-  /// Takes in those of the own ghosts.
+  /// Receives those of the own ghosts.
   template <class... Passed>
   void finish(const Passed&... passed) {
     under_way_->wait();
@@ -494,8 +358,8 @@ class RankStage {
   }
 
   std::optional<Policy> policy_;
-  mutable std::exception_ptr late_;     // until_later()
-  std::vector<Impulses> own_, shared_;  // of walls: by own particles; by all, when last shared
+  mutable std::exception_ptr late_;  // until_later()
+  RankWallLoads wall_loads_;
   std::size_t present_ = 0;
   std::int64_t last_step_ = 0;  // in which ranks were chosen
   using Exchange = decltype(std::declval<const decltype(Policy::comm)&>().exchange(

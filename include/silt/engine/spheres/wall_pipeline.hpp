@@ -13,6 +13,7 @@
 #include <silt/engine/lists/wall_contacts.hpp>
 #include <silt/engine/lists/wall_seams.hpp>
 #include <silt/engine/spheres/plane_pipeline.hpp>
+#include <silt/engine/spheres/wall_kinematics.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -325,23 +326,15 @@ class WallPipeline {
     const Vec3d contact = sphere.centre() - point.distance * point.normal;
     const Vec3d change = point.normal - last_normal;
     const Vec3d on_wall = contacts.seen(c, contact);
-    Vec3d wall_velocity{0, 0, 0}, wall_spin{0, 0, 0};
-    if (wall.moves()) {
-      // Mean velocity of the material point over the last step, like the spheres' own.
-      wall_velocity = mean_velocity(wall, on_wall, in.times.step);
-      wall_spin = mean_angular_velocity(wall.last_pose, wall.pose, in.times.step);
-      // ... of the one under the contact half a step ago, which this one was not if they slide.
-      wall_velocity +=
-          cross(wall_spin, in.times.lag * in.times.step * (wall_velocity - motion.velocity()) +
-                               in.times.lag * point.distance * change);
-    }
+    WallVelocity of_wall =
+        velocity_of_wall(wall, on_wall, point, change, motion.velocity(), in.times);
     if (wall.is_in_itself_moving()) {
       s.in_itself[k] = velocity_in_itself(wall, c.surface, contacts.facets(c), on_wall,
                                           point.normal, in.times.step);
-      wall_velocity += s.in_itself[k];
+      of_wall.velocity += s.in_itself[k];
     }
     if constexpr (Fluxes::wears) {
-      Vec3d slip = motion.velocity() - wall_velocity;
+      Vec3d slip = motion.velocity() - of_wall.velocity;
       if constexpr (rotates)
         slip -= (point.distance * motion.inv_r) * cross(motion.spin_velocity(), point.normal);
       s.rubs.put(k, c, wall, slip);
@@ -349,26 +342,10 @@ class WallPipeline {
     double inverse_mass = motion.inv_m;  // [1/kg] of both
     if (wall.is_driven())
       inverse_mass += inverse_mass_of(wall.drive, wall.state, on_wall, point.normal);
-    const auto scalar = [](double x) { return static_cast<Scalar>(x); };
-    const auto vector = [](const Vec3d& v) {
-      return Vec3<Scalar>{static_cast<Scalar>(v.x), static_cast<Scalar>(v.y),
-                          static_cast<Scalar>(v.z)};
-    };
-    Kinematics<Scalar> kin;
-    kin.normal = vector(point.normal), kin.change = vector(change);
-    kin.velocity = vector(motion.velocity() - wall_velocity);
-    kin.overlap = scalar(sphere.r - point.distance);
-    kin.R_eff = scalar(sphere.r);
-    kin.m_eff = scalar(1 / inverse_mass), kin.inverse_m_eff = scalar(inverse_mass);
-    if constexpr (rotates) {
-      kin.spin = vector(motion.spin_velocity());
-      kin.arm = scalar(point.distance * motion.inv_r);
-      kin.twist = scalar(dot(wall_spin, point.normal));
+    auto kin = kinematics_at_wall<Scalar>(point, change, sphere, motion, of_wall, inverse_mass);
+    if constexpr (rotates)
       s.kinematics.put(
-          k, RollingKinematics<Scalar>{
-                 vector(motion.spin_velocity() * motion.inv_r - wall_spin),
-                 scalar(InertiaOf<ContactsType>::rolling() * sphere.r * sphere.r / motion.inv_m)});
-    }
+          k, rolling_at_wall<Scalar>(sphere, motion, of_wall, InertiaOf<ContactsType>::rolling()));
     s.share[k] = (sphere.r - point.distance) / sphere.r;
     if constexpr (keeps_offset<ContactsType>) {
       Scalar& offset = contacts.history(ContactsType::offset_from)[slot];
@@ -377,16 +354,22 @@ class WallPipeline {
           s.share[k] = static_cast<double>(kin.overlap) / sphere.r;
     }
     s.kinematics.put(k, kin);
-    s.kinematics.put(k, Radii<Scalar>{scalar(sphere.r), scalar(0)});
+    s.kinematics.put(k, Radii<Scalar>{static_cast<Scalar>(sphere.r), Scalar(0)});
     if constexpr (shares_contacts<ContactsType>)
       if (in.sharing != nullptr)
         s.of_force[k] = static_cast<Scalar>(
             in.sharing->of_wall(in.parts[c.particle].body, c, sphere.r, sphere.r - point.distance));
+    s.point[k] = contact;
+    if constexpr (Repeats) s.on_wall[k] = on_wall, s.image[k] = image_of(c);
+    put_contact(wall, c, slot, contacts, in, table, k, s);
+  }
+  /// Puts what contact k is of into the block, with its history.
+  static void put_contact(const Wall& wall, const Candidate& c, std::size_t slot,
+                          Contacts& contacts, const Input& in,
+                          const CoefficientTable<ContactsType>& table, std::size_t k, Scratch& s) {
     std::size_t material = 0;
     if constexpr (ContactsType::several_materials) material = in.materials[c.particle];
     s.kind[k] = static_cast<std::uint16_t>(material * table.materials + wall.material);
-    s.point[k] = contact;
-    if constexpr (Repeats) s.on_wall[k] = on_wall, s.image[k] = image_of(c);
     s.place[k] = {static_cast<std::uint32_t>(slot), c.particle, c.wall, c.surface};
     for (std::size_t h = 0; h < ContactsType::history; ++h)
       s.history[h][k] = contacts.history(h)[slot];

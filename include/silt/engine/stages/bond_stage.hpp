@@ -12,9 +12,7 @@
 
 #include <silt/bond/concept.hpp>
 #include <silt/core/lanes.hpp>
-#include <silt/core/members.hpp>
 #include <silt/core/row4.hpp>
-#include <silt/core/row8.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/engine/contact/contact_energy.hpp>
 #include <silt/engine/lists/bond_list.hpp>
@@ -24,8 +22,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Bonds, and their stage of a step: what they do to their ends, and which of them break. Results
-/// do not depend on threads.
+/// Bonds and their stage of a step: the loads on their ends, and which of them break. Results do
+/// not depend on the number of threads.
 template <class Model, class Domain, class Arch>
 class BondStage {
   using Real = typename Lanes<Arch>::Real;
@@ -44,7 +42,7 @@ class BondStage {
 
   void add(Bond bond) { bond.number = made++, list.add(bond); }
   void add(typename AtWalls::Bond bond) { bond.number = made++, at_walls.all.push_back(bond); }
-  /// One that other ranks have.
+  /// Counts a bond that other ranks have.
   void count() { ++made; }
   /// How many there are now.
   template <class Engine>
@@ -58,8 +56,8 @@ class BondStage {
     return list.size() + at_walls.all.size();
   }
 
-  /// Adds what bonds do to the sums of their particles and to walls. Returns the power of their
-  /// dashpots [W], where a ledger wants it.
+  /// Adds the loads of bonds to the sums of their particles and to walls. Returns the power of
+  /// their dashpots [W] for a ledger.
   template <class Engine>
   double push(Engine& e, const Domain& domain, double dt) {
     overloaded_.clear();
@@ -88,7 +86,7 @@ class BondStage {
     });
     return power;
   }
-  /// Takes out the bonds of particles whose rows, sorted, are to go before the next forces; `dt`
+  /// Removes the bonds of particles that leave before the next forces; `rows`: theirs, sorted; `dt`
   /// [s]: the last step, 0 before the first one.
   template <class Engine>
   void end_of(const Engine& e, const Domain& domain, std::span<const std::uint32_t> rows,
@@ -107,8 +105,8 @@ class BondStage {
         ending.push_back({at_walls.seen(e, domain, model, k, dt, BondEnds::BeforeForces), k});
     take_out(ending);
   }
-  /// Takes out the bonds that the last step has overloaded; returns them, and those that ended
-  /// before its forces, in the order in which they were made.
+  /// Removes the bonds that the last step has overloaded. Returns them and those that ended before
+  /// its forces, in the order in which they were made.
   std::vector<BondBreak> take_broken(double time) {
     take_out(overloaded_);
     overloaded_.clear();
@@ -120,8 +118,8 @@ class BondStage {
     return gone;
   }
   bool any_overloaded() const { return !overloaded_.empty(); }
-  /// Likewise on many ranks (collective): each rank takes out what it has of all that any has
-  /// found, and returns those of which it has the first end; told(bond) hears of all.
+  /// The same on many ranks (collective): each rank removes what it has of the bonds that any rank
+  /// has found, and returns those whose first end it owns; calls told(bond) for all.
   template <class Engine, class Told>
   std::vector<BondBreak> take_broken(Engine& e, double time, const Told& told) {
     std::vector<BrokenBond> own;
@@ -143,8 +141,8 @@ class BondStage {
     for (const BrokenBond& b : all) told(b);
     return gone;
   }
-  /// Turns the particles for a step of `dt` [s], from the first bond on: before, nothing depends on
-  /// how they are turned.
+  /// Rotates the particles for a step of `dt` [s], once there has been a bond: before that nothing
+  /// depends on their orientation.
   template <class Engine>
   void turn(Engine& e, double dt) const {
     if (made == 0) return;
@@ -189,47 +187,8 @@ class BondStage {
     ParticleId particle = no_particle;  // of the step
   };
   template <class Engine>
-  Rate fastest(const Engine& e) {
-    follow(e);
-    std::vector<BondStiffness> all(e.particles.size(), BondStiffness{0, 0});
-    const auto include = [&](std::size_t at, const BondStiffness& s, double arm) {
-      all[at].shift += s.shift, all[at].turn += s.turn + s.shift * arm * arm;
-      all[at].shift_damping += s.shift_damping;
-      all[at].turn_damping += s.turn_damping + s.shift_damping * arm * arm;
-    };
-    const auto include_bond = [&](const Bond& b, std::size_t i, std::size_t j) {
-      const auto s = model.stiffest(b.numbers);
-      const double length = norm(b.rest.apart);
-      if (i < all.size()) include(i, s, b.rest.share * length);
-      if (j < all.size()) include(j, s, (1 - b.rest.share) * length);
-    };
-    if (Engine::of_ranks && fresh)
-      list.for_each_in_order([&](const Bond& b) {
-        const std::size_t i = e.find(b.i), j = e.find(b.j);
-        include_bond(list.as_kept(b), i < e.owners() ? i : all.size(),
-                     j < e.owners() ? j : all.size());
-      });
-    else
-      list.for_each(
-          [&](std::size_t k) { include_bond(list.bond(k), list.first()[k], list.second()[k]); });
-    for (const auto& b : at_walls.all)
-      include(e.find(b.i), model.stiffest(b.numbers), b.rest.share * norm(b.rest.apart));
-    Rate most;
-    for (std::size_t k = 0; k < e.owners(); ++k) {
-      const auto p = e.owner(k);
-      if (!p.is_there() || p.inverse_mass() == 0) continue;
-      const double m = p.mass(),
-                   I = Engine::ShapeType::inertia_factor() * m * p.radius() * p.radius();
-      for (const auto& [w2, g] : {std::pair{2 * all[k].shift / m, 2 * all[k].shift_damping / m},
-                                  std::pair{2 * all[k].turn / I, 2 * all[k].turn_damping / I}}) {
-        most.rate = std::max(most.rate, std::sqrt(w2));
-        const double step = 1.6 / (g + std::sqrt(g * g + 4 * w2));
-        if (step < most.stable_step) most.stable_step = step, most.particle = p.id();
-      }
-    }
-    return most;
-  }
-  /// Puts bonds in order where rows were given anew, or bonds or particles have come or gone.
+  Rate fastest(const Engine& e);
+  /// Sorts the bonds again if rows were renumbered, or if bonds or particles have come or gone.
   template <class Engine>
   void follow(const Engine& e) {
     if constexpr (Engine::of_ranks)
@@ -249,7 +208,7 @@ class BondStage {
   };
 
  private:
-  /// On many ranks a bond counts for that which has its first end.
+  /// Whether this rank counts bond k: on many ranks the one that owns its first end does.
   template <class Engine>
   bool tells([[maybe_unused]] const Engine& e, [[maybe_unused]] std::size_t k) const {
     if constexpr (Engine::of_ranks) return list.first()[k] < e.particles.owned();
@@ -311,145 +270,33 @@ class BondStage {
     R inv_r_i, inv_r_j;
   };
   static constexpr std::size_t columns = sizeof(Pack<double>) / sizeof(double);
-  /// Between the stages of a block: ends in columns, loads in rows.
+  /// Ends in columns and loads in rows, between the stages of a block.
   struct Block {
     alignas(64) double ends[columns][block];
     alignas(64) double loads[block * row];
   };
 
   template <class Engine>
-  void run_group(Engine& e, const Domain& domain, const typename List::Group& g, Done& done) {
-    Block b;
-    Real power(0);
-    const bool beyond_caches = e.particles.size() > 8000;
-    for (std::size_t from = g.from; from < g.to; from += block) {
-      const std::size_t count = std::min(block, g.to - from);
-      gather(e, domain, from, count, beyond_caches, b);
-      for (std::size_t k = 0; k < count; k += W)
-        if (const auto bits = run_pack(e, from + k, k, b, power))
-          for (std::size_t lane = 0; lane < W; ++lane)
-            if (bits >> lane & 1 && from + k + lane < g.to)
-              done.over.push_back(static_cast<std::uint32_t>(from + k + lane));
-      add_up(e, from, count, b.loads);
-    }
-    if constexpr (keeps_ledger<typename Engine::Contacts>) {
-      alignas(Real) double each[W];
-      silt::store(each, power);
-      for (const double one : each) done.power += one;
-    }
-  }
-  /// Rows of the ends of `count` bonds, turned into lanes.
+  void run_group(Engine& e, const Domain& domain, const typename List::Group& g, Done& done);
+  /// Transposes the rows of the ends of `count` bonds into lanes.
   template <class Engine>
   __attribute__((flatten)) void gather(Engine& e, const Domain& domain, std::size_t from,
-                                       std::size_t count, bool ahead, Block& b) const {
-    for (std::size_t k = 0; k < count; k += W) {
-      if (ahead) fetch(e, from + k + List::ahead);
-      for_each_member<Real>(
-          ends_of(e.particles, domain, from + k),
-          [&](auto c, const Real& column) { silt::store(b.ends[c] + k, column); });
-    }
-  }
+                                       std::size_t count, bool ahead, Block& b) const;
   template <class State>
-  SILT_INLINE Pack<Real> ends_of(const State& particles, const Domain& domain,
-                                 std::size_t k) const {
-    const auto* const position = particles.position.data();
-    const auto* const motion = particles.motion.data();
-    const auto* const orientation = particles.orientation.data();
-    const std::uint32_t *a = list.first() + k, *b = list.second() + k;
-    const auto turned_rows = [&](const auto& row_of, Real(&c)[4]) {
-      read_anew(a), read_anew(b);
-      Row rows[W];
-      for (std::size_t lane = 0; lane < W; ++lane) rows[lane] = row_of(lane);
-      rows_to_columns<Arch>(rows, c);
-    };
-    Pack<Real> p;
-    Real c[4];
-    turned_rows([&](auto l) { return Row::load(&position[a[l]].x) - Row::load(&position[b[l]].x); },
-                c);
-    p.ends.apart = {c[0], c[1], c[2]};
-    if constexpr (Domain::periodic) p.ends.apart = domain.shortest(p.ends.apart);
-    turned_rows([&](auto l) { return Row::load(&motion[a[l]].vx) - Row::load(&motion[b[l]].vx); },
-                c);
-    p.ends.velocity = {c[0], c[1], c[2]};
-    turned_rows([&](auto l) { return Row::load(&motion[a[l]].wx); }, c);
-    p.ends.spin_i = Vec3<Real>{c[0], c[1], c[2]} * c[3], p.inv_r_i = c[3];
-    turned_rows([&](auto l) { return Row::load(&motion[b[l]].wx); }, c);
-    p.ends.spin_j = Vec3<Real>{c[0], c[1], c[2]} * c[3], p.inv_r_j = c[3];
-    turned_rows([&](auto l) { return Row::load(&orientation[a[l]].w); }, c);
-    p.ends.orientation_i = {c[0], c[1], c[2], c[3]};
-    turned_rows([&](auto l) { return Row::load(&orientation[b[l]].w); }, c);
-    p.ends.orientation_j = {c[0], c[1], c[2], c[3]};
-    return p;
-  }
-  /// Asks for the rows of a pack that comes later (PairPipeline::fetch).
+  SILT_INLINE Pack<Real> ends_of(const State& particles, const Domain& domain, std::size_t k) const;
+  /// Prefetches the rows of a later pack (PairPipeline::fetch).
   template <class Engine>
-  SILT_INLINE void fetch(Engine& e, std::size_t k) const {
-    list.fetch(k);
-    for (std::size_t lane = 0; lane < W; ++lane) {
-      const std::size_t later = std::max(list.first()[k + lane], list.second()[k + lane]);
-      __builtin_prefetch(e.particles.position.data() + later);
-      __builtin_prefetch(e.particles.motion.data() + later);
-      __builtin_prefetch(e.particles.orientation.data() + later);
-      __builtin_prefetch(e.load_sums() + later * 4 * Engine::chunks, 1);
-    }
-  }
-  SILT_INLINE static void put(const Vec3<Real>& v, double* to) {
-    const Real turned[4] = {v.x, v.y, v.z, Real(0)};
-    Row rows[W];
-    columns_to_rows<Arch>(turned, rows);
-    for (std::size_t lane = 0; lane < W; ++lane) rows[lane].store(to + lane * row);
-  }
+  SILT_INLINE void fetch(Engine& e, std::size_t k) const;
+  SILT_INLINE static void put(const Vec3<Real>& v, double* to);
   /// Writes the loads of the pack at place k of a block, which is at place `of_list` of the list;
   /// returns which of its bonds are overloaded.
   template <class Engine>
   __attribute__((flatten)) std::uint64_t run_pack(const Engine&, std::size_t of_list, std::size_t k,
-                                                  Block& b, [[maybe_unused]] Real& power) const {
-    const auto p =
-        members_of<Pack<Real>, Real>([&](auto c) { return silt::load<Real>(b.ends[c] + k); });
-    const auto s = list.columns().strain(of_list, p.ends);
-    const auto numbers = list.columns().template load_numbers<Real>(of_list);
-    const auto a = model.answer(s, numbers);
-    const auto l = loads_of(s, a.force, a.couple, a.rate_force, a.rate_couple);
-    double* const out = b.loads + k * row;
-    put(l.force, out), put(l.torque_i * p.inv_r_i, out + 4), put(l.torque_j * p.inv_r_j, out + 8);
-    if constexpr (keeps_ledger<typename Engine::Contacts>)
-      power += dot(a.rate_force, s.shift_rate) + dot(a.rate_couple, s.turn_rate);
-    if constexpr (requires { model.holds_always(); })
-      if (model.holds_always()) return 0;
-    if constexpr (requires { model.holds(a, s.normal, numbers); })
-      if (lane_bits(model.holds(a, s.normal, numbers)) == (std::uint64_t{1} << W) - 1) return 0;
-    return lane_bits(model.load(a, s.normal, numbers) > Real(1));
-  }
-  /// In strides, as neighbours in the list share particles (PairPipeline::add_up).
+                                                  Block& b, Real& power) const;
+  /// Adds the loads in strides, because neighbours in the list share particles
+  /// (PairPipeline::add_up).
   template <class Engine>
-  void add_up(Engine& e, std::size_t from, std::size_t count, const double* loads) {
-    using Scalar = typename Engine::Scalar;
-    using SumRow = Row4<Arch, Scalar>;
-    constexpr std::size_t stride = 8;
-    Scalar* const sums = e.load_sums();
-    const std::uint32_t *const a = list.first() + from, *const b = list.second() + from;
-    const auto add = [](Scalar* sum, const Row& force, const Row& torque) {
-      (SumRow::load(sum) + convert<Scalar>(force)).store(sum);
-      (SumRow::load(sum + 4) + convert<Scalar>(torque)).store(sum + 4);
-    };
-    for (std::size_t first = 0; first < stride; ++first)
-      for (std::size_t k = first; k < count; k += stride) {
-        const double* const l = loads + k * row;
-        Scalar* const of_a = sums + a[k] * 4 * Engine::chunks;
-        Scalar* const of_b = sums + b[k] * 4 * Engine::chunks;
-        if constexpr (Engine::chunks == 2 && has_row8<Arch, double> &&
-                      std::is_same_v<Scalar, double>) {
-          using Whole = Row8<Arch, double>;
-          (Whole::load(of_a) + Whole::load(l)).store(of_a);
-          (Whole::load(of_b) + Whole::of(-1, -1, 1, 1) * Whole::of(Row::load(l), Row::load(l + 8)))
-              .store(of_b);
-        } else {
-          const Row force = Row::load(l);
-          add(of_a, force, Row::load(l + 4));
-          add(of_b, Row::all(0) - force, Row::load(l + 8));
-        }
-      }
-  }
+  void add_up(Engine& e, std::size_t from, std::size_t count, const double* loads);
   std::vector<Ending> overloaded_;
   std::vector<BondSeen> ended_;  // since bonds were taken out last
 };
@@ -465,3 +312,6 @@ struct BondsOf<Bonds<Model>, Domain, Arch> {
 };
 
 }  // namespace silt::detail
+
+#include <silt/engine/stages/bond_lanes.hpp>
+#include <silt/engine/stages/bond_rates.hpp>

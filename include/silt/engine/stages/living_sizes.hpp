@@ -44,7 +44,7 @@ class LivingSizes {
       smallest = std::min(smallest, p.radius());
       if (p.inverse_mass() > 0) least_[p.material()].include(Least::of(p.mass(), p.radius()));
     }
-    if constexpr (!Engine::has_bodies)
+    if constexpr (!Engine::of_bodies)
       if (std::isfinite(smallest)) e.particles.smallest_radius = smallest;
     return least_ != before;
   }

@@ -80,14 +80,14 @@ struct Composition {
   using Shape = typename ParticlesType::ShapeType;
   using Scalar = typename Precision::PairScalar;  // of the work on pairs
 
-  static constexpr bool has_bodies = BodyShape<Shape>;     // rows are parts of rigid bodies
+  static constexpr bool of_bodies = BodyShape<Shape>;      // rows are parts of rigid bodies
   static constexpr bool has_surfaces = SolidShape<Shape>;  // ... with narrow phases of their own
   static constexpr bool has_ledger = count<IsLedger, Policies...> > 0;
   static constexpr bool has_events = count<IsContactEvents, Policies...> > 0;
   static constexpr bool has_bonds = count<IsBonds, Policies...> > 0;
   static constexpr bool has_breakage = count<IsBreakage, Policies...> > 0;
   static constexpr bool has_ranks = !std::is_same_v<Ranks, NoRanks>;
-  static constexpr bool rotates = UserContacts::rotates || has_bodies;
+  static constexpr bool rotates = UserContacts::rotates || of_bodies;
   static constexpr FromFluid from_fluid = loads_of_fluid<Fluid>;
 
   // Each keeps more behind what those inside it keep (contact_memory.hpp).
@@ -98,7 +98,7 @@ struct Composition {
   using Contacts = WithVirialIf<deforms<Domain>, WatchedIf<has_events, ImpactContacts>>;
   static constexpr bool several_materials = Contacts::several_materials;
 
-  static_assert(has_bodies || count<IsRotation, Policies...> == 0,
+  static_assert(of_bodies || count<IsRotation, Policies...> == 0,
                 "spheres have no orientation: leave the rotation out");
   static_assert(rotates || !turns(from_fluid),
                 "a force of the fluid has a torque, but these spheres do not rotate: take a "
@@ -106,7 +106,7 @@ struct Composition {
   static_assert(rotates || !Modules::turn,
                 "a module's force has a torque, but these spheres do not rotate: take a contact "
                 "law with friction, or let its force() return a silt::Vec3d");
-  static_assert(!has_bonds || (rotates && !has_bodies),
+  static_assert(!has_bonds || (rotates && !of_bodies),
                 "Bonds join spheres that rotate: take Particles<Sphere> and a contact law with "
                 "friction");
   static_assert(!deforms<Domain> || !has_bonds,
@@ -114,12 +114,12 @@ struct Composition {
   static_assert(!has_bonds || Integrator::derivatives == 0,
                 "Bonds turn particles by the velocities of half steps; take Leapfrog");
   static_assert(
-      !has_breakage || !has_bodies || requires { Shape::is_cut_into_cells; },
+      !has_breakage || !of_bodies || requires { Shape::is_cut_into_cells; },
       "Breakage is for spheres and polyhedra: other bodies do not break; take "
       "Particles<Sphere> or Particles<Polyhedron>");
   static_assert(!deforms<Domain> || !has_breakage,
                 "Breakage knows no DeformingBox; take PeriodicBox");
-  static_assert(!deforms<Domain> || !has_bodies,
+  static_assert(!deforms<Domain> || !of_bodies,
                 "DeformingBox is for spheres so far: bodies have no flow velocity of their parts; "
                 "take PeriodicBox, or spheres with rolling resistance");
   static_assert(!deforms<Domain> || from_fluid == FromFluid::Nothing,
@@ -134,7 +134,7 @@ struct Composition {
   static_assert(!has_ranks || std::is_same_v<Fluid, NoFluid> || !FluidTraits<Fluid>::active,
                 "Ranks cannot be coupled to a fluid so far: each rank would need the flow of all; "
                 "leave one of them out");
-  static_assert(!has_ranks || !has_breakage || !has_bodies,
+  static_assert(!has_ranks || !has_breakage || !of_bodies,
                 "Ranks does not go with polyhedra that break so far, as their cells are forms of "
                 "one process; take spheres, or leave Breakage or Ranks out");
   static_assert(!has_ranks || !has_breakage || !has_bonds,

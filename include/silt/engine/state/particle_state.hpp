@@ -30,7 +30,7 @@ template <class Composition>
 class ParticleState {
   static constexpr bool Rotates = Composition::Contacts::rotates,
                         SeveralMaterials = Composition::several_materials,
-                        OfBodies = Composition::has_bodies, Bonded = Composition::has_bonds;
+                        OfBodies = Composition::of_bodies, Bonded = Composition::has_bonds;
   using PairScalar = typename Composition::Scalar;
   /// Of position and of spin velocity each, that the integrator keeps.
   static constexpr std::size_t Derivatives = Composition::Integrator::derivatives;

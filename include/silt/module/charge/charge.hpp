@@ -11,24 +11,24 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What modules of charge know of a particle.
+/// Fields of modules of charge.
 struct ChargeFields {
   double charge = 0;  // [C]
 };
 
-/// The charge of particles [C], whichever module has it: sim.field<silt::ElectricCharge>(k).
+/// Charge of particles [C], for any module that has it: sim.field<silt::ElectricCharge>(k).
 struct ElectricCharge {
   using Of = ChargeFields;
   static constexpr auto member = &ChargeFields::charge;
 };
 
-/// An infinite plane that conducts and is grounded, for image charges; at rest.
+/// Infinite plane, conducting, grounded and at rest, for image charges.
 struct ConductingPlane {
   Vec3d point{0, 0, 0};   // [m]
-  Vec3d normal{0, 0, 1};  // [-] of any length, to either side
+  Vec3d normal{0, 0, 1};  // [-] any length, either side
 };
 
-/// Module: charges in a field, Coulomb's force between particles, image charges in planes.
+/// Module: charges in an electric field, Coulomb force between particles, image charges in planes.
 ///
 ///   silt::Simulation sim{grains, contacts, silt::Charge{.cutoff = 2e-3}};
 ///   sim.field<silt::ElectricCharge>(k) = 1e-13;                                           // [C]
@@ -37,20 +37,22 @@ struct ConductingPlane {
 ///   F_ij = q_i q_j/(4 pi eps0 eps_r) (1/r^2 - 1/r_c^2) n,   r < r_c;   0 beyond          (2)
 ///   F = -q^2/(16 pi eps0 eps_r d^2) n                                                    (3)
 ///
-/// (2) is Coulomb's law, shifted so that it ends at the cut-off without a step; its energy is
-/// q_i q_j/(4 pi eps0 eps_r) (1/r + r/r_c^2 - 2/r_c). What is beyond the cut-off is left out: for
-/// clouds in which charges of both signs screen each other, or few grains; how large it must be,
-/// docs/charge.md. In (3), of each grounded plane by itself, d is the distance of the centre from
-/// the plane and n points from the plane to it, on either side. The images of others act by (2)
-/// with -q_j at j's mirrored place, for pairs on the same side within the cut-off of each other and
-/// of the image. Images of images between two planes are left out, and pairs on different sides of
-/// a plane act on each other as if it were not there. Particles are points or spheres whose charge
-/// is spread evenly; bodies have it at their centre of mass. Charges and fields do not polarise
-/// particles.
+/// (2) is Coulomb's law, shifted to zero at the cut-off; its energy is q_i q_j/(4 pi eps0 eps_r)
+/// (1/r + r/r_c^2 - 2/r_c). Interactions beyond the cut-off are neglected. This suits particles
+/// with charges of both signs that screen each other, or few particles; for the choice of the
+/// cut-off see docs/charge.md.
+///
+/// In (3), applied to each grounded plane separately, d is the distance of the centre from the
+/// plane and n points from the plane to the centre, on either side. The images of other particles
+/// act by (2) with -q_j at the mirrored position of j, for pairs on the same side within the
+/// cut-off of each other and of the image. Neglected are images of images between two planes. Pairs
+/// on different sides of a plane interact as if it were absent. Particles are points or spheres
+/// with a uniform charge; bodies have it at their centre of mass. Charges and fields do not
+/// polarise particles.
 ///
 /// Source: (2) shifted force: S.D. Stoddard, J. Ford, Phys. Rev. A 8 (1973) 1504, recalled; (3):
 ///         textbooks of electrostatics, recalled.
-/// Valid:  charges at rest or slow against light, no magnetic field.
+/// Valid:  charges at rest or slow compared with light, no magnetic field.
 /// Units:  SI. Shapes: all, at the centre of mass.
 /// Errors: InputError for a cut-off or permittivity that is not positive, values that are not
 ///         finite, a plane without a normal, a box shorter than twice the cut-off.
@@ -59,7 +61,7 @@ struct Charge {
   double cutoff = 0;        // [m] > 0, between centres
   Vec3d field{0, 0, 0};     // [V/m]
   double permittivity = 1;  // [-] relative, of the medium
-  double start_charge = 0;  // [C] of particles that come
+  double start_charge = 0;  // [C] of new particles
   std::vector<ConductingPlane> planes{};
 
   static constexpr double eps0 = 8.8541878128e-12;  // [F/m] CODATA 2018
@@ -68,11 +70,11 @@ struct Charge {
   static constexpr bool needs_velocity = false;
 
   Fields start(const Seen&) const { return {start_charge}; }
-  /// [N m2/C2] Coulomb's factor.
+  /// Coulomb's factor [N m2/C2].
   double factor() const { return 1 / (4 * std::numbers::pi * eps0 * permittivity); }
 
   double reach() const { return cutoff; }
-  /// (2) over the distance [N/m]; 0 from the cut-off on.
+  /// (2) divided by the distance [N/m]; 0 beyond the cut-off.
   double shifted(double a, double b, double r) const {
     return r < cutoff ? factor() * a * b * (1 / (r * r) - 1 / (cutoff * cutoff)) / r : 0;
   }
@@ -84,7 +86,7 @@ struct Charge {
         sum -= shifted(a.charge, b.charge, m.distance) * m.along;
     return sum;
   }
-  /// Of the images what draws both to the plane, which takes the opposite.
+  /// The part of image forces that acts on both particles alike; the plane bears the reaction.
   Vec3d pair_force_on_both(const Apart& d, const Seen& at, const Fields& a, const Seen& other,
                            const Fields& b) const {
     Vec3d sum{0, 0, 0};
@@ -112,7 +114,7 @@ struct Charge {
     }
     return sum;
   }
-  /// Of the images: sqrt(dF/dd /m).
+  /// Rate [1/s] of the images: sqrt(dF/dd /m).
   double rate(const Seen& p, const Fields& f) const {
     double stiffness = 0;
     for (const ConductingPlane& plane : planes) {
@@ -121,7 +123,7 @@ struct Charge {
     }
     return std::sqrt(stiffness / p.mass);
   }
-  /// From b's mirrored place to a [m], and from a's to b but for the sign of `along`.
+  /// Vectors from b's mirrored position to a [m], and from a's to b except for the sign of `along`.
   struct Mirrored {
     Vec3d along, across;
     double distance;

@@ -14,10 +14,9 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The radius of the circle through which heat flows, as Hertz' theory has it: a = sqrt(R* d), of
-/// two spheres or a sphere and a plane. Of other forms R* is the effective radius with which the
-/// contact acts, so that the circle is that of the spheres which touch alike; what of flat faces is
-/// larger than that circle is left out.
+/// Radius of the circle through which heat flows, by Hertz: a = sqrt(R* d), for two spheres or a
+/// sphere and a plane. For other shapes R* is the effective radius of the contact, and the circle
+/// is that of equivalent spheres; the larger area of flat faces is neglected.
 struct HertzCircle {
   template <class Real>
   static SILT_INLINE Real radius(const Touching<Real>& c) {  // [m]
@@ -25,7 +24,7 @@ struct HertzCircle {
   }
 };
 
-/// Module: heat that flows through contacts, and the temperature of particles.
+/// Module: heat conduction through contacts, and the temperature of particles.
 ///
 ///   silt::Simulation sim{grains, silt::Contacts<silt::HertzMindlin>{glass},
 ///                        silt::HeatConduction{.conductivity = 1.1, .heat_capacity = 840}};
@@ -35,48 +34,49 @@ struct HertzCircle {
 ///   a = sqrt(R* d) (E*/E*_real)^(1/3)                                                        (2)
 ///   m c dT/dt = sum of H (T_j - T_i)                                                         (3)
 ///
-/// (1) is the steady flow between two half spaces that touch in a circle of radius a, small against
-/// the radii; each particle has one temperature (Biot number H/(k R) small). In (2) the last factor
-/// is for contacts that are made softer than their solids, for a longer time step: at one force
-/// F = 4/3 E* a^3/R* the real circle is that much smaller. It is known by itself where the law is
-/// Softened; else give the real `youngs_modulus`. Without it, soft contacts conduct too much: 100
-/// times softer, 4.6 times. (3) is integrated by Euler's rule: the chosen step resolves it, and a
-/// run stops whose step does not (guard.max_rate against twice the sum of H over m c, the bound of
-/// the fastest decay).
+/// (1) is the steady flow between two half spaces in contact through a circle of radius a, small
+/// compared with the radii. Each particle has one temperature (small Biot number H/(k R)). The last
+/// factor of (2) corrects for contacts that are softer than their solids: at equal force F = 4/3 E*
+/// a^3/R* the real circle is smaller by this factor. With Softened the factor is known; otherwise
+/// give the real `youngs_modulus`. Without it soft contacts conduct too much: 4.6 times at a
+/// modulus 100 times smaller. (3) is integrated by Euler's method. The automatic time step resolves
+/// it, and a run with a longer step is stopped (guard.max_rate against twice the sum of H over m c,
+/// the bound of the fastest decay).
 ///
-/// `walls`: held_at(), heated_by() or insulated(), of wall 0, 1, ... in their order, or with names:
-/// {{"drum", held_at(400)}}; the others are insulated. Simulation::set_wall_heat() changes one at
-/// any time. `others`: of the contacts' material 1, 2, ...; `conductivity` and what follows it are
-/// of material 0. Materials are counted as contacts count them, walls' after those of particles
+/// `walls`: held_at(), heated_by() or insulated(), for wall 0, 1, ... in order, or by name:
+/// {{"drum", held_at(400)}}; all other walls are insulated. Simulation::set_wall_heat() changes a
+/// wall at any time. `others`: for material 1, 2, ... of the contacts; `conductivity` and the
+/// members after it belong to material 0. Materials of walls are numbered after those of particles
 /// (sim.wall(k).material).
 ///
 /// Source: G.K. Batchelor, R.W. O'Brien, Proc. R. Soc. Lond. A 355 (1977) 313 (1), recalled; (2)
 ///         from Hertz' formulas.
-/// Valid:  a < 0.2 R, and no heat through the fluid in the gap beside the contact.
-/// Units:  SI. Shapes: all; what a is there: HertzCircle.
-/// Errors: InputError naming field, value and unit; materials and walls that are missing.
+/// Valid:  a < 0.2 R, and no heat flow through fluid in the gap around the contact.
+/// Units:  SI. Shapes: all; for a see HertzCircle.
+/// Errors: InputError naming field, value and unit; missing materials and walls.
 /// Tests:  tests/engine/wall_heat.cpp, tests/physics/heat.cpp.
 template <class Circle = HertzCircle>
 struct HeatConductionBy {
   double conductivity = 0;                // [W/(m K)] > 0
   double heat_capacity = 0;               // [J/(kg K)] > 0
-  double youngs_modulus = 0;              // [Pa] of the real solid; 0: as contacts have it
+  double youngs_modulus = 0;              // [Pa] of the real solid; 0: as in the contacts
   double poisson_ratio = 0.3;             // [-] of the real solid
-  double start_temperature = 293.15;      // [K] > 0 of particles that come
-  std::vector<ThermalMaterial> others{};  // of the contacts' material 1, 2, ...
-  WallValues<WallHeat> walls{};           // of wall 0, 1, ..., or by their names
-  std::size_t flux_every = 10;            // [steps] at most from one look at contacts to the next
+  double start_temperature = 293.15;      // [K] > 0 of new particles
+  std::vector<ThermalMaterial> others{};  // for material 1, 2, ... of the contacts
+  WallValues<WallHeat> walls{};           // of wall 0, 1, ..., or by name
+  std::size_t flux_every = 10;            // [steps] largest interval between computations of the
+                                          // flux
   double density = 0;                     // [kg/m3] for FrictionHeat; 0: as its partner's
 
   using Fields = HeatFields;
   static constexpr std::array names{"temperature [K]"};
   static constexpr auto exchanged = &HeatFields::temperature;
-  /// Of two materials.
+  /// For a pair of materials.
   template <class Real>
   struct Coefficients {
     Real conductivity;  // [W/(m K)] harmonic mean
-    Real narrower;      // [-] last factor of (2), but for Softened
-    Real share;         // [-] of the first end in heat that arises between both (FrictionHeat)
+    Real narrower;      // [-] last factor of (2), without Softened
+    Real share;         // [-] of the first end in heat generated at the contact (FrictionHeat)
   };
 
   Fields start(const Seen&) const { return {start_temperature}; }
@@ -89,9 +89,9 @@ struct HeatConductionBy {
   template <class ContactsType>
   Coefficients<double> coefficients(const ContactsType& contacts, std::size_t a,
                                     std::size_t b) const {
-    if (!knows(a) || !knows(b)) return {0, 1, 0.5};  // check() refuses what would be used
+    if (!knows(a) || !knows(b)) return {0, 1, 0.5};  // refused by check()
     const ThermalMaterial i = material(a), j = material(b);
-    // Effusivities.
+    // Thermal effusivities.
     const bool known = i.density > 0 && j.density > 0;
     const double of_i = std::sqrt(i.conductivity * i.heat_capacity * (known ? i.density : 1)),
                  of_j = std::sqrt(j.conductivity * j.heat_capacity * (known ? j.density : 1));
@@ -116,7 +116,7 @@ struct HeatConductionBy {
   }
   /// [J/K]
   double capacity(const Seen& p) const { return p.mass * material(p.material).heat_capacity; }
-  /// Before contacts are known: twelve of circles of a quarter of the radius.
+  /// Before contacts are known: twelve, with circles of a quarter of the radius.
   double rate(const Seen& p) const {
     return 12 * material(p.material).conductivity * p.radius / capacity(p);
   }
@@ -135,14 +135,14 @@ struct HeatConductionBy {
     for (std::size_t a = 0; a <= others.size(); ++a) narrower(sim.contacts(), a, a);
   }
 
-  /// InputError: this wall cannot have this condition.
+  /// InputError if this wall cannot have this condition.
   template <class Sim>
   void check_wall(const Sim& sim, std::size_t w, const WallHeat& heat) const {
     if (heat.kind() == WallHeat::Kind::Insulated || knows(sim.wall(w).material)) return;
     throw InputError(text("HeatConduction: ", sim.wall_name(w), " is of ",
                           sim.material_name(sim.wall(w).material),
-                          ", of which `others` has no conductivity; add it there (the first entry "
-                          "is of material 1), or let the wall be insulated()"));
+                          ", which has no conductivity in `others`; add it there (the first entry "
+                          "is of material 1), or make the wall insulated()"));
   }
 
  private:
@@ -156,7 +156,7 @@ struct HeatConductionBy {
     if (!knows(sim.material(k)))
       throw InputError(text("HeatConduction: particle ", sim.id(k), " is of ",
                             sim.material_name(sim.material(k)),
-                            ", of which `others` has no conductivity; add it there (the first "
+                            ", which has no conductivity in `others`; add it there (the first "
                             "entry is of material 1)"));
     const double T = sim.template field<Temperature>(k);
     if (!(std::isfinite(T) && T > 0))
@@ -191,7 +191,7 @@ struct HeatConductionBy {
     else
       return 0;
   }
-  /// (E*/E*_real)^(1/3) where a real modulus is given.
+  /// (E*/E*_real)^(1/3) if a real modulus is given.
   template <class ContactsType>
   double narrower(const ContactsType& contacts, std::size_t a, std::size_t b) const {
     using Law = typename ContactsType::Law;
@@ -202,8 +202,8 @@ struct HeatConductionBy {
       const double as_used = compliance<Law>(contacts.material(k));
       if (m.youngs_modulus > 0)
         require(as_used > 0,
-                "HeatConduction.youngs_modulus: this contact law has no Young's modulus that it "
-                "could be compared with; leave it out");
+                "HeatConduction.youngs_modulus: this contact law has no Young's modulus to "
+                "compare with; leave it out");
       given |= m.youngs_modulus > 0;
       used += as_used;
       real += m.youngs_modulus > 0 ? (1 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus
@@ -213,7 +213,7 @@ struct HeatConductionBy {
   }
 };
 
-/// With the circle of Hertz.
+/// With Hertz' circle.
 using HeatConduction = HeatConductionBy<>;
 
 }  // namespace silt

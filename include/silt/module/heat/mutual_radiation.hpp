@@ -14,7 +14,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Module: heat (HeatConduction, FrictionHeat or Heat), and radiation between neighbouring
+/// Module: heat (HeatConduction, FrictionHeat or Heat) and radiation between neighbouring
 /// particles.
 ///
 ///   silt::MutualRadiation{silt::HeatConduction{...}, {.emissivity = 0.9, .gap = 1.4e-3}}
@@ -22,26 +22,26 @@ namespace silt::inline SILT_TARGET {
 ///   Q_ij = sigma (T_j^4 - T_i^4)/(s_i + 1/(A_i F_ij) + s_j)                              (1)
 ///   A_i F_ij = pi R_i^2 R_j^2/r^2,   s = (1 - e)/(e A),   A = 4 pi R^2                    (2)
 ///
-/// for all pairs whose surfaces are nearer than `gap`: the network of two grey diffuse surfaces.
-/// The view factor is that of spheres far apart, F_ij = R_j^2/(4 r^2): at touch it is 17 % too
-/// small. No particle stands in the way of two others, so that the gap must end where in the bed
-/// others would: where the view factors of a particle sum up to 1. In a packing of solid fraction f
-/// with Z contacts the sum up to the distance r is about Z/16 + 3/4 f (r/R - 2): in a random
-/// packing (f = 0.6, Z = 6) a gap of 1.4 R. What of its surroundings a particle does not see
-/// through neighbours is left out; in dilute clouds add the part Radiation.
+/// for all pairs with a surface distance below `gap`: the network of two grey diffuse surfaces. The
+/// view factor is that of spheres far apart, F_ij = R_j^2/(4 r^2); at contact it is 17 % too small.
+/// Shadowing by other particles is not computed. Instead `gap` must end where shadowing would
+/// begin: where the view factors of a particle sum to 1. In a packing of solid fraction f with Z
+/// contacts the sum up to the distance r is about Z/16 + 3/4 f (r/R - 2); a random packing (f =
+/// 0.6, Z = 6) needs a gap of 1.4 R. Radiation to surroundings beyond the neighbours is neglected;
+/// in dilute systems add the part Radiation.
 ///
-/// Source: network of grey surfaces: textbooks of heat transfer, recalled. That pairs near by are
-///         enough: quasi Monte Carlo ray tracing of pebble beds, abstract read (hplpb.com.cn,
-///         article 8879f42a): view factors within two diameters sum up to 0.98.
-/// Valid:  opaque particles, a gas that does not take part.
-/// Units:  SI. Shapes: all; of bodies the bounding sphere.
+/// Source: network of grey surfaces: textbooks of heat transfer, recalled. Neighbours are
+///         sufficient: quasi Monte Carlo ray tracing of pebble beds, abstract read (hplpb.com.cn,
+///         article 8879f42a): view factors within two diameters sum to 0.98.
+/// Valid:  opaque particles, a transparent gas.
+/// Units:  SI. Shapes: all; bodies as their bounding sphere.
 /// Errors: InputError naming field, value and unit; materials without an emissivity.
 /// Tests:  tests/physics/radiation.cpp.
 template <class Base>
 struct MutualRadiation : Base {
   struct Surfaces {
     double emissivity = 0.9;       // [-] in (0, 1], of material 0
-    double gap = 0;                // [m] > 0 between surfaces, up to which particles see each other
+    double gap = 0;                // [m] > 0 between surfaces, range of the radiation
     std::vector<double> others{};  // [-] emissivities of the contacts' material 1, 2, ...
   } surfaces;
 
@@ -77,7 +77,7 @@ struct MutualRadiation : Base {
       if (!(sim.material(k) <= surfaces.others.size()))
         throw InputError(text(
             "MutualRadiation: particle ", sim.id(k), " is of ", sim.material_name(sim.material(k)),
-            ", of which `others` has no emissivity; add it there (the first entry "
+            ", which has no emissivity in `others`; add it there (the first entry "
             "is of material 1)"));
   }
 
@@ -86,27 +86,28 @@ struct MutualRadiation : Base {
   static void check_emissivity(const std::string& name, double e) {
     require(e > 0 && e <= 1, name, " = ", e, " [-] must be in (0, 1]");
   }
-  /// [1/m2] the resistance of a grey surface.
+  /// [1/m2] resistance of a grey surface.
   double of_surface(const Seen& p) const {
     const double e = p.material == 0 ? surfaces.emissivity : surfaces.others.at(p.material - 1);
     return (1 - e) / (e * 4 * std::numbers::pi * p.radius * p.radius);
   }
 };
 
-/// Part of Heat: an infinite plane of one temperature that particles near it see, large against
-/// them: half of what a sphere emits goes to one side, whatever the distance.
+/// Part of Heat: radiation to an infinite plane of one temperature, large compared with the
+/// particles. Half of the radiation of a sphere reaches the plane, at any distance.
 ///
 ///   Q = sigma e 2 pi R^2 (T_wall^4 - T^4)
 ///
-/// The plane is black, or large enough to seem so. Particles farther than `gap` do not see it, as
-/// others stand between. Tests: tests/physics/radiation.cpp.
+/// The plane is black, or so large that it appears black. Particles farther than `gap` are taken as
+/// hidden by others.
+/// Tests:  tests/physics/radiation.cpp.
 /// Source: Stefan and Boltzmann's law; view factor 1/2 of a sphere and an infinite plane.
-/// Valid:  planes large against the particles, particles within `gap` that nothing hides.
+/// Valid:  planes large compared with the particles; particles within `gap` that are not hidden.
 /// Units:  SI.
 /// Errors: InputError naming field, value, unit and allowed range.
 struct PlaneRadiation {
   Vec3d point{0, 0, 0};         // [m]
-  Vec3d normal{0, 0, 1};        // [-] of any length, to the side of the particles
+  Vec3d normal{0, 0, 1};        // [-] any length, towards the particles
   double temperature = 293.15;  // [K]
   double emissivity = 0.9;      // [-] in [0, 1], of the particles
   double gap = 0;               // [m] > 0, between the surfaces

@@ -14,17 +14,17 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// HeatConduction, and the heat of friction and damping.
+/// HeatConduction with the heat of friction and damping.
 ///
 ///   silt::Simulation sim{..., silt::FrictionHeat{silt::HeatConduction{...}},
 ///   silt::EnergyLedger{}};
 ///
-/// What contacts take from the motion, as the ledger books it, heats both ends: of unlike materials
-/// in proportion to their effusivities sqrt(k rho c), of equal densities where one of the two is
-/// not given; what goes into a wall is gone. A spring's tangential elastic energy counts as heat
-/// while it is stored, and comes back. It may stand around or inside Heat and MutualRadiation: all
-/// orders are the same physics. Tests: tests/physics/heat.cpp (heat gained is energy lost, 1e-9;
-/// around Heat), radiation.cpp.
+/// The energy dissipated in contacts, as counted by the ledger, heats both ends. It is divided in
+/// proportion to the effusivities sqrt(k rho c), with equal densities if one of the two is not
+/// given. The part into a wall is lost. The elastic energy of tangential springs counts as heat
+/// while it is stored, and is taken back. FrictionHeat may be placed around or inside Heat and
+/// MutualRadiation: the order does not matter.
+/// Tests:  tests/physics/heat.cpp (heat gained is energy lost, 1e-9; around Heat), radiation.cpp.
 ///
 /// Source: none: the ledger's dissipation.
 /// Valid:  with an EnergyLedger.
@@ -39,10 +39,10 @@ struct FrictionHeat : Base {
   }
 };
 
-/// Nusselt number of a sphere in a stream: Nu = 2 + 0.6 Re^(1/2) Pr^(1/3).
+/// Nusselt number of a single sphere in a flow: Nu = 2 + 0.6 Re^(1/2) Pr^(1/3).
 /// Source: W.E. Ranz, W.R. Marshall, Chem. Eng. Prog. 48 (1952) 141, 173, not read; the formula as
-///         a heat transfer model derived from OpenFOAM's has it (read).
-/// Valid:  a lone sphere, Re < 200 (drops), in use up to some 1e4.
+///         in a heat transfer model derived from OpenFOAM's (read).
+/// Valid:  a single sphere, Re < 200 (drops); used up to some 1e4.
 /// Units:  [-].
 /// Errors: none.
 /// Tests:  tests/physics/heat.cpp, tests/coupling/heat.cpp.
@@ -52,12 +52,12 @@ struct RanzMarshall {
   }
 };
 
-/// Nusselt number of spheres in a bed of voidage e:
+/// Nusselt number of spheres in a bed of void fraction e:
 ///   Nu = (7 - 10 e + 5 e^2)(1 + 0.7 Re^0.2 Pr^(1/3)) + (1.33 - 2.4 e + 1.2 e^2) Re^0.7 Pr^(1/3)
 /// with Re of the superficial velocity, e |u - v|.
-/// Source: D.J. Gunn, Int. J. Heat Mass Transfer 21 (1978) 467, not read; the formula as OpenFOAM's
-///         Gunn.C and a tutorial of MFIX (usr1.f) have it (both read), Re as in MFIX. OpenFOAM
-///         takes Re of u - v itself.
+/// Source: D.J. Gunn, Int. J. Heat Mass Transfer 21 (1978) 467, not read; the formula as in
+///         OpenFOAM's Gunn.C and a tutorial of MFIX (usr1.f) (both read), with Re as in MFIX.
+///         OpenFOAM uses Re of u - v.
 /// Valid:  0.35 < e <= 1, Re < 1e5.
 /// Units:  [-].
 /// Errors: none.
@@ -70,16 +70,16 @@ struct Gunn {
   }
 };
 
-/// Part of Heat: a gas of given temperature and velocity around the particles, which it heats or
-/// cools, and which they do not change.
+/// Part of Heat: one-way heat exchange with a gas of given temperature and velocity, which the
+/// particles do not change.
 ///
 ///   h = Nu k_gas/d,  Q = h pi d^2 (T_gas - T)
 ///
-/// A step takes the exact exponential for a gas that stays as it is, so that small particles need
-/// no shorter step. Bodies have the surface of their bounding sphere.
+/// A step uses the exact exponential for constant gas properties; small particles need no shorter
+/// step. The surface of bodies is that of their bounding sphere.
 /// Tests: tests/physics/heat.cpp (a grain in hot gas, Nu = 2 at rest).
 /// Source: as its Nusselt number.
-/// Valid:  as its Nusselt number; a gas that the particles do not change.
+/// Valid:  as its Nusselt number; for a gas that the particles do not change.
 /// Units:  SI.
 /// Errors: InputError naming field, value, unit and allowed range.
 template <class Nusselt = RanzMarshall>
@@ -91,7 +91,7 @@ struct Convection {
   double density = 1.2;         // [kg/m3]
   double heat_capacity = 1005;  // [J/(kg K)]
   double voidage = 1;           // [-] in (0, 1]
-  // In place of `temperature` and `velocity`, where they are given: functions of place and time.
+  // Replace `temperature` and `velocity` if given: functions of position and time.
   std::function<double(const Vec3d&, double)> temperature_at{};
   std::function<Vec3d(const Vec3d&, double)> velocity_at{};
 
@@ -103,12 +103,12 @@ struct Convection {
     const double Pr = viscosity * heat_capacity / conductivity;
     return Nusselt::nusselt(Re, Pr, voidage) * conductivity * std::numbers::pi * d;
   }
-  /// [W] the mean over a step of `dt` [s].
+  /// [W] mean over a step of `dt` [s].
   double watts(const Seen& p, double T, double capacity, double dt) const {
     const double T_gas = temperature_at ? temperature_at(p.position, p.time) : temperature;
     return -std::expm1(-conductance(p) * dt / capacity) * (T_gas - T) * capacity / dt;
   }
-  double slope(const Seen&, double) const { return 0; }  // exact at any step
+  double slope(const Seen&, double) const { return 0; }  // exact for any step
   void check() const {
     require_not_negative("Convection.temperature", temperature, "K");
     require_positive("Convection.conductivity", conductivity, "W/(m K)");
@@ -120,12 +120,13 @@ struct Convection {
   }
 };
 
-/// Part of Heat: grey particles in large surroundings of one temperature,
+/// Part of Heat: radiation of grey particles to large surroundings of one temperature,
 ///   Q = sigma emissivity 4 pi R^2 (T_surroundings^4 - T^4).
-/// Particles do not see each other: in a bed the surroundings' temperature must be what they see.
+/// Radiation between particles is not included; in a bed use an effective temperature of the
+/// surroundings.
 /// Tests: tests/physics/heat.cpp (cooling to 0 K: 1/T^3 grows linearly).
 /// Source: Stefan and Boltzmann's law.
-/// Valid:  grey particles that do not see each other, small against their surroundings.
+/// Valid:  grey particles without mutual radiation, small compared with their surroundings.
 /// Units:  SI.
 /// Errors: InputError naming field, value, unit and allowed range.
 struct Radiation {
@@ -148,23 +149,23 @@ struct Radiation {
   }
 };
 
-/// What exchanges heat with a fluid: a part of Heat, or a module that has capacity(seen) [J/K] too
-/// and whose `exchanged` field is the temperature.
+/// Exchanges heat with a fluid: a part of Heat, or a module that also has capacity(seen) [J/K] and
+/// whose `exchanged` field is the temperature.
 template <class P>
 concept HeatedByFluid = requires(const P& part, const Seen& p, const HeatedFluid& f) {
   { part.conductance(p, f) } -> std::convertible_to<double>;
 };
 
-/// Module: conduction (HeatConduction, FrictionHeat or MutualRadiation) with what surrounds the
-/// particles.
+/// Module: conduction (HeatConduction, FrictionHeat or MutualRadiation) and heat exchange with the
+/// surroundings.
 ///
 ///   silt::Heat{silt::HeatConduction{.conductivity = 1.1, .heat_capacity = 840},
 ///              silt::Convection<silt::Gunn>{.temperature = 500, .voidage = 0.4},
 ///              silt::Radiation{}}
 ///
 /// With the fluid of a CoupledFlow: FluidConvection (fluid_convection.hpp).
-/// A part of one's own is a struct with watts(seen, T, capacity, dt) [W], slope(seen, T) [W/K], the
-/// change of minus the watts with T for the bound on the step, and check(). With
+/// A user-defined part is a struct with watts(seen, T, capacity, dt) [W], slope(seen, T) [W/K]
+/// (minus the derivative of watts by T, for the bound on the step), and check(). With
 /// conductance(seen, HeatedFluid) [W/K] it exchanges heat with the fluid (ParticleHeat).
 /// Source: as its parts.
 /// Valid:  as its parts.

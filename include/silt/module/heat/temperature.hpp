@@ -11,28 +11,28 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What modules of heat know of a particle.
+/// Fields of modules of heat.
 struct HeatFields {
   double temperature = 293.15;  // [K]
 };
 
-/// The temperature of particles [K], whichever module has it: sim.field<silt::Temperature>(k).
+/// Temperature of particles [K], for any module that has it: sim.field<silt::Temperature>(k).
 struct Temperature {
   using Of = HeatFields;
   static constexpr auto member = &HeatFields::temperature;
 };
 
-/// What a solid is for heat.
+/// Thermal properties of a solid.
 struct ThermalMaterial {
   double conductivity = 0;     // [W/(m K)] > 0
   double heat_capacity = 0;    // [J/(kg K)] > 0
-  double youngs_modulus = 0;   // [Pa] of the real solid, where contacts are given a softer one; 0:
-                               // as contacts have it
+  double youngs_modulus = 0;   // [Pa] of the real solid if contacts are softer; 0: as in the
+                               // contacts
   double poisson_ratio = 0.3;  // [-] of the real solid
   double density = 0;          // [kg/m3] of the real solid, for FrictionHeat; 0: as its partner's
 };
 
-/// What a wall is for heat: one of held_at(), heated_by() and insulated().
+/// Thermal condition of a wall: held_at(), heated_by() or insulated().
 class WallHeat {
  public:
   using OfTime = std::function<double(double)>;
@@ -40,13 +40,13 @@ class WallHeat {
 
   WallHeat() = default;
   WallHeat(Kind kind, OfTime value) : kind_(kind), value_(std::move(value)) {}
-  /// Of a value that stays.
+  /// With a constant value.
   WallHeat(Kind kind, double value) : kind_(kind), value_([value](double) { return value; }) {
     constant_ = true;
   }
   Kind kind() const { return kind_; }
   bool is_constant() const { return constant_; }
-  /// [K] or [W] at a time [s]; none of a wall of another kind.
+  /// [K] or [W] at a time [s]; empty for a wall of another kind.
   std::optional<double> value(Kind kind, double time) const {
     if (kind != kind_ || !value_) return std::nullopt;
     return value_(time);
@@ -58,20 +58,20 @@ class WallHeat {
   OfTime value_;
 };
 
-/// No heat goes through the wall.
+/// No heat flux through the wall.
 inline WallHeat insulated() { return {}; }
-/// The wall has this temperature [K].
+/// Wall with this temperature [K].
 inline WallHeat held_at(double temperature) {
   require_not_negative("held_at: temperature", temperature, "K");
   return {WallHeat::Kind::HeldAt, temperature};
 }
-/// ... as a function of time [s].
+/// Wall with a temperature that is a function of time [s].
 inline WallHeat held_at(WallHeat::OfTime temperature) {
   require(bool(temperature), "held_at: the function of time is empty; give one that returns [K]");
   return {WallHeat::Kind::HeldAt, std::move(temperature)};
 }
-/// The wall gives so much heat [W] to all that touch it together, as a plate of one temperature
-/// does that holds no heat; while nothing touches it, none. Negative: it cools.
+/// The wall gives this heat flow [W] to all particles in contact with it together, like a plate of
+/// uniform temperature and no heat capacity. Without contacts the flow is 0. Negative: cooling.
 inline WallHeat heated_by(double power) {
   require(std::isfinite(power), "heated_by: power = ", power, " [W] must be finite");
   return {WallHeat::Kind::HeatedBy, power};

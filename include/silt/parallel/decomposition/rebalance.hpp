@@ -16,6 +16,10 @@ namespace silt::inline SILT_TARGET {
 ///   lost = sum over steps of (largest - mean)
 ///   cost = each * mean points of a rank + per_moved * largest number of points that a rank sends
 ///
+/// For an imbalance that grows linearly this is the cheapest moment, and a flat optimum. Where the
+/// imbalance exceeds what is allowed by more than 60 % (above 1.08 by default), a quarter of the
+/// cost is enough.
+///
 /// The default costs were held against benchmarks/rank_costs.cpp: Bisection takes 4 to 6 units a
 /// point for each doubling of the ranks, a point that is sent some 26 to 41 (docs/ranks.md).
 ///
@@ -42,7 +46,9 @@ struct Rebalance {
     require_not_negative("Rebalance.each", each, "-");
     require_not_negative("Rebalance.per_moved", per_moved, "-");
     lost += (load.largest - load.mean) * static_cast<double>(steps);
-    return load.imbalance() > above && lost >= cost(points);
+    const double now = load.imbalance();
+    const bool urgent = now - 1 > 1.6 * (above - 1);
+    return now > above && lost >= cost(points) * (urgent ? 0.25 : 1.0);
   }
 
   /// Work that a decomposition is taken to cost.

@@ -7,11 +7,12 @@
 
 #include <silt/shape/polyhedron.hpp>
 
-/// Cuts a convex body by half-spaces: topology from signs alone, so that rounding cannot break it.
+/// Cuts a convex body by half-spaces. The topology depends only on signs, and rounding cannot break
+/// it.
 ///
-/// The body is a graph with three edges at each vertex (clip_graph.hpp). A cut drops the vertices
-/// outside, puts a new vertex on each edge that crosses the plane, and joins each new vertex to the
-/// next along the face between them. Whatever the signs, the result is a closed graph of the same
+/// The body is a graph with three edges at each vertex (clip_graph.hpp). A cut removes the vertices
+/// outside, puts a new vertex on each edge that crosses the plane, and connects each new vertex to
+/// the next along the face between them. For any signs the result is a closed graph of the same
 /// kind, or several; vertices in the plane of the cut count as inside.
 /// Source: D. Powell, T. Abel, An exact general remeshing scheme applied to physically conservative
 ///         voxelization, J. Comput. Phys. 297 (2015) 340-356, sec. 3 (the walk around faces).
@@ -26,7 +27,7 @@ struct HalfSpace {
   double offset;
 };
 
-/// Names of the faces that cuts make begin here; lower numbers are the body's own.
+/// Numbers of faces made by cuts begin here; lower numbers are the body's own.
 inline constexpr std::size_t first_cut_face = 4352;
 static_assert(Polyhedron::most_faces <= first_cut_face);
 
@@ -35,8 +36,8 @@ Room* make_room_of_thread() {
   thread_local const auto room = std::make_unique_for_overwrite<Room>();
   return room.get();
 }
-/// Memory of one thread for work of one kind, kept as long as the thread lives. Nothing is written
-/// when it is made, so that of a large one the system gives the pages that are used.
+/// Memory of one thread for one kind of work, kept for the lifetime of the thread. It is not
+/// initialised: of a large block the system provides only the pages that are used.
 template <class Room>
 SILT_INLINE Room& room_of_thread() {
   thread_local constinit Room* room = nullptr;
@@ -45,8 +46,8 @@ SILT_INLINE Room& room_of_thread() {
   return *room;
 }
 
-/// What is left of a body after cuts. It lives in the thread's memory, one at a time: 1.5 MB, of
-/// which small bodies touch little.
+/// A body after cuts. It is in the thread's memory, one at a time: 1.5 MB, of which small bodies
+/// use little.
 class ClippedBody {
  public:
   /// Bodies and cutters have at most Polyhedron::most_faces each, and a simple polytope with F
@@ -65,14 +66,14 @@ class ClippedBody {
 
   ClippedBody() = default;
   ClippedBody(const ClippedBody&) = delete;
-  /// The thread's one, to be cut anew.
+  /// The object of this thread, with an uncut body.
   static SILT_INLINE ClippedBody& whole(const Polyhedron& body) {
     ClippedBody& all = room_of_thread<ClippedBody>();
     all.start_ = &body.graph_columns(), all.current_ = 0;
     return all;
   }
 
-  /// Cuts away what is outside of the half-space; false if nothing is left. `name` of the new face.
+  /// Removes the part outside the half-space; false if nothing is left. `name` of the new face.
   bool cut(const HalfSpace& half, std::size_t name) {
     if (start_ == nullptr) {
       const Graph& now = graphs_[current_];
@@ -83,17 +84,17 @@ class ClippedBody {
                        s.neighbour.data(), s.face.data(), s.size};
     const std::size_t before = current_;
     if (!cut_from(whole, half, name)) return false;
-    if (current_ == before) copy(whole);  // the half-space holds all of it
+    if (current_ == before) copy(whole);  // completely inside the half-space
     return true;
   }
-  /// After at least one cut that left something.
+  /// After at least one cut with a non-empty result.
   const Graph& graph() const { return graphs_[current_]; }
 
  private:
   using Real = Lanes<DefaultArch>::Real;
   static constexpr std::size_t width = Lanes<DefaultArch>::width;
 
-  /// What is cut: columns of coordinates, padded by copies to full lanes.
+  /// Body to cut: columns of coordinates, padded by copies to full lanes.
   struct Source {
     const double *x, *y, *z;
     const std::array<std::uint16_t, 4>*neighbour, *face;
@@ -109,7 +110,7 @@ class ClippedBody {
     to.size = from.size;
   }
 
-  /// Heights over the plane of all vertices; how many are outside.
+  /// Heights of all vertices over the plane; returns how many are outside.
   SILT_INLINE std::size_t heights(const Source& from, const HalfSpace& half) {
     const Real nx(half.normal.x), ny(half.normal.y), nz(half.normal.z), offset(half.offset);
     std::size_t inside = 0;
@@ -124,7 +125,7 @@ class ClippedBody {
     return from.size - inside;
   }
 
-  /// Numbers the vertices inside, in turn, and returns how many there are.
+  /// Numbers the vertices inside consecutively, and returns their number.
   SILT_INLINE std::size_t number(const Source& from, std::size_t outside) {
     std::size_t kept = 0;
     const auto keep = [&](std::size_t v) {
@@ -169,8 +170,8 @@ class ClippedBody {
     return true;
   }
 
-  /// New vertex w on the way from kept vertex i to its neighbour k. Who comes from i keeps the face
-  /// of that way on the left and goes on to neighbour 1.
+  /// New vertex w on the edge from kept vertex i to its neighbour k. A walk from i keeps the face
+  /// of that edge on its left and continues to neighbour 1.
   SILT_INLINE void add_vertex(const Source& from, Graph& to, std::size_t i, std::size_t k,
                               std::size_t w, std::size_t name) {
     const std::size_t v = old_[i], other = from.neighbour[v][k];
@@ -181,14 +182,14 @@ class ClippedBody {
     const std::uint16_t before = from.face[v][k], after = from.face[v][k == 2 ? 0 : k + 1];
     to.neighbour[i][k] = static_cast<std::uint16_t>(w);
     to.neighbour[w][0] = static_cast<std::uint16_t>(i);
-    // One store of 8 bytes, as the next cut loads 8: a processor waits for a load of several
-    // stores.
+    // One store of 8 bytes, as the next cut loads 8: a load from several stores would stall.
     to.face[w] = {after, before, static_cast<std::uint16_t>(name), 0};
     leaves_by_[before] = static_cast<std::uint16_t>(w);
   }
 
-  /// Joins each new vertex w to the one where the face on its left leaves again. A plane leaves a
-  /// face once; where rounding made it wobble in the plane of a face, the walk around it tells.
+  /// Connects each new vertex w to the one where the face on its left leaves again. A plane leaves
+  /// a face once; if rounding makes it cross the plane of a face repeatedly, a walk around the face
+  /// decides.
   SILT_INLINE void join(Graph& g, std::size_t kept) const {
     bool once = true;
     for (std::size_t w = kept; w < g.size; ++w) {

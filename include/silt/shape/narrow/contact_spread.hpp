@@ -6,21 +6,23 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The covariance of a contact region of super-ellipsoids across its normal, estimated: what
-/// friction and damping must know of its width (SolidContact::spread).
+/// Estimated covariance of a contact region of super-ellipsoids across its normal: the width of the
+/// contact for friction and damping (SolidContact::spread).
 ///
-/// Within a cap of depth d at the point p with the outward normal m, the surface a way x from p
-/// along the tangent plane lies below that plane by (f(p + x) - 1)/|grad f|, f the function of
+/// In a cap of depth d at the point p with the outward normal m, the surface at x from p along the
+/// tangent plane is below that plane by (f(p + x) - 1)/|grad f|, with f of super_ellipsoid.hpp.
+/// Each axis k contributes a parabola near p, and a power s_k far from it:
 /// super_ellipsoid.hpp. Each axis k contributes a parabola near p, and far from it a power s_k:
 ///   parabola  x^2 D_k,  D_k = (s_k - 1) m_k p_k/(2 d p_k^2)                                   (1)
 ///   power     x^2 D_k,  D_k = 1/(a_k^2 e^(2/s_k)),  e = s_k d/(m . p)                          (2)
-/// reach the depth d where x^2 D_k = 1. Both are added: D = sum_k (D_k/K_k) n_k n_k^T, and of two
-/// bodies both D with the overlap as d. The covariance is the inverse of D in the tangent plane.
+/// Each reaches the depth d where x^2 D_k = 1. Both are added: D = sum_k (D_k/K_k) n_k n_k^T; for
+/// two bodies both D, with the overlap as d. The covariance is the inverse of D in the tangent
+/// plane.
 ///   K_k = (1 - 16/s_k^4) (1 - 1.75/s_k + 1.5/s_k^2)/3                                         (3)
-/// The second factor is within 3 % the Beta functions of a cap weighed by its depth: a paraboloid's
-/// 1/6 of the half width squared, a flat square's 1/3. The first leaves what is round to rolling
-/// models: contacts of ellipsoids count as points, as those of spheres do.
-/// Accuracy: of the width 7 % at faces of s = 4 and more, a factor of 1.8 elsewhere.
+/// The second factor approximates the Beta functions of a cap weighted by its depth within 3 %: 1/6
+/// of the half width squared for a paraboloid, 1/3 for a flat square. The first factor leaves round
+/// surfaces to rolling models: contacts of ellipsoids count as points, like those of spheres.
+/// Accuracy: of the width 7 % at faces with s of at least 4, otherwise a factor of 1.8.
 /// Source:  silt's own. Tests: tests/shape/contact_spread.cpp.
 template <class Real>
 struct Spread {
@@ -56,7 +58,7 @@ SILT_INLINE PowerOf<Real> power_of(const Real& over_s, const Real& depth) {
   return {power, q * (one - o), q * o};
 }
 
-/// D [1/m2] of a body at p [m] from its centre, where its outward unit normal is m.
+/// D [1/m2] of a body at p [m] from its centre, with the outward unit normal m.
 template <class Form, class Real = typename Form::Real>
 SILT_INLINE Spread<Real> sharpness(const Form& form, const BodyAxes<Real>& axes,
                                    const Vec3<Real>& p_space, const Vec3<Real>& m_space,
@@ -67,7 +69,7 @@ SILT_INLINE Spread<Real> sharpness(const Form& form, const BodyAxes<Real>& axes,
   const Real least = Real(1e-12) * form.size * form.size;
   const Real height = max(dot(m, p), Real(1e-3) * form.size);
   const Real d = max(overlap, Real(1e-12) * form.size), twice = Real(2) * d;
-  // 1/s = 1 - 1/p. Of x and y: a face across z has s1, others s2.
+  // 1/s = 1 - 1/p. For x and y: a face across z has s1, others s2.
   const Real over1 = one - form.one_over_p1, depth = d / height;
   const PowerOf<Real> along_z = power_of(over1, depth);
   PowerOf<Real> across_z = along_z;
@@ -94,7 +96,7 @@ SILT_INLINE Spread<Real> sharpness(const Form& form, const BodyAxes<Real>& axes,
           xu.y * u.z + yv.y * v.z + zw.y * w.z, xu.z * u.x + yv.z * v.x + zw.z * w.x};
 }
 
-/// The inverse of D in the plane across n.
+/// Inverse of D in the plane across n.
 template <class Real>
 SILT_INLINE Spread<Real> inverse_across(const Spread<Real>& D, const Vec3<Real>& n) {
   Vec3<Real> s, t;
@@ -109,7 +111,7 @@ SILT_INLINE Spread<Real> inverse_across(const Spread<Real>& D, const Vec3<Real>&
 
 }  // namespace detail
 
-/// Of two super-ellipsoids.
+/// For two super-ellipsoids.
 template <class FormI, class FormJ, class Real = typename FormI::Real>
 SILT_INLINE Spread<Real> spread_of(const PosedPair<FormI, FormJ>& pair,
                                    const BodyContact<Real>& found) {
@@ -119,7 +121,7 @@ SILT_INLINE Spread<Real> spread_of(const PosedPair<FormI, FormJ>& pair,
       detail::sharpness(pair.j, pair.turn_j, found.point + half - pair.between, n, found.overlap);
   return detail::inverse_across(i + j, n);
 }
-/// Of one and a flat wall, n the wall's normal; `point` [m] from the body's centre.
+/// For one and a flat wall, n the wall's normal; `point` [m] from the body's centre.
 template <class Form, class Real = typename Form::Real>
 SILT_INLINE Spread<Real> spread_of(const Form& form, const BodyAxes<Real>& axes,
                                    const Vec3<Real>& n, const Vec3<Real>& point,

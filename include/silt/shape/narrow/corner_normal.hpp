@@ -7,35 +7,35 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The common normal of a smooth convex body and a polyhedron: the least depth over all directions
-/// m from the smooth body to the polyhedron, whose corners are at c_v from the smooth body's centre
-/// and which is dilated by r,
+/// Common normal of a smooth convex body and a polyhedron: the smallest depth over all directions m
+/// from the smooth body to the polyhedron. The corners of the latter are at c_v from the smooth
+/// body's centre; it is dilated by r,
 ///
 ///   F(m) = h(m) + r - min_v m . c_v                                                            (1)
 ///
-/// the largest of as many smooth functions as there are corners. In n = m + s, s in the tangent
-/// plane, all are linear in s but for h, which is the same in all. A step is the minimum of
+/// the maximum of as many smooth functions as there are corners. With n = m + s, s in the tangent
+/// plane, all are linear in s except h, which is common to all. A step is the minimum of
 ///
 ///   1/2 s.H s + max_v (a_v + g_v . s),  a_v = h - m . c_v,  g_v = (grad h - c_v) in the plane  (2)
 ///
-/// H = T - (F - r) 1 (normal_search.hpp), its eigenvalues made positive (along an edge H itself, if
-/// it is positive there). One corner holds the
-/// minimum (a vertex touches: Newton's step), two do (an edge: the normal stays across it), or
-/// three (a face: the normal is the face's). Which ones is found as GJK finds the nearest simplex,
-/// by adding the corner that stands out most and leaving out those without weight; sum_v weight_v
-/// c_v is the point of the polyhedron. Near the end one step is exact for edges and faces, and of
-/// second order where the normal is free; before, F must go down (backtracking).
+/// H = T - (F - r) 1 (normal_search.hpp), with its eigenvalues made positive (along an edge H
+/// itself, if it is positive there). The minimum is determined by one corner (a vertex touches:
+/// Newton's step), two (an edge: the normal stays across it), or three (a face: the normal is the
+/// face's). They are found like the nearest simplex in GJK, by adding the corner that protrudes
+/// most and removing those without weight; sum_v weight_v c_v is the point of the polyhedron. Near
+/// the end a step is exact for edges and faces, and of second order where the normal is free;
+/// before, F must decrease (backtracking).
 ///
-/// Ends in a local minimum, the only one if the cores are apart or the overlap is less than the
-/// least radius of curvature of the smooth body.
+/// Ends in a local minimum. It is the only one if the cores are apart or the overlap is smaller
+/// than the smallest radius of curvature of the smooth body.
 /// Tests:  tests/shape/solid_pairs.cpp.
 struct CornerNormal {
   Vec3d direction{0, 0, 1};   // m, in the axes of the polyhedron
   double depth = 0;           // [m] F(m); negative: proved apart
-  Vec3d corner{0, 0, 0};      // [m] the core's point, in the axes of the polyhedron
-  int held = 0;               // by 1: a vertex; 2: an edge; 3: a face
-  int evaluations = 0;        // how often F was evaluated
-  bool settled = false;       // in a minimum, to point_tolerance and turn_tolerance, or apart
+  Vec3d corner{0, 0, 0};      // [m] point of the core, in the axes of the polyhedron
+  int held = 0;               // 1: by a vertex; 2: by an edge; 3: by a face
+  int evaluations = 0;        // number of evaluations of F
+  bool settled = false;       // minimum reached within point_tolerance and turn_tolerance, or apart
   double contact_radius = 0;  // [m] of the smooth body there
 };
 
@@ -49,7 +49,7 @@ struct LinearCorner {
   double value(double s, double t) const { return a + gs * s + gt * t; }
 };
 
-/// The minimum of (2) over some corners: the corners that hold it, and their weights.
+/// Minimum of (2) over some corners: the corners that determine it, and their weights.
 struct HeldStep {
   LinearCorner by[3];
   double weight[3] = {1, 0, 0};
@@ -66,7 +66,7 @@ struct HeldStep {
 };
 
 /// (2) on the smallest sets of corners. Each is a lower bound of the minimum over all corners if
-/// its weights are positive, so that the largest counts.
+/// its weights are positive; the largest counts.
 class HeldStepSearch {
  public:
   explicit HeldStepSearch(const Symmetric2<double>& H) : H_(H) {
@@ -75,7 +75,7 @@ class HeldStepSearch {
   }
   const HeldStep& best() const { return best_; }
 
-  /// Of the corners that hold it and one more; false if that leads no higher.
+  /// With the corners that determine it and one more; false if that leads no higher.
   bool add(const LinearCorner& c) {
     const HeldStep before = best_;
     const auto* by = before.by;
@@ -144,14 +144,14 @@ inline Symmetric2<double> made_positive(const Symmetric2<double>& H, double leas
   return {middle + off * c, off * s, middle - off * c};
 }
 
-/// The step along an edge by H itself, which is positive there though not in all directions; false
-/// if an end of the edge holds it.
+/// Step along an edge with H itself, which is positive there though not in all directions; false if
+/// an end of the edge determines it.
 inline bool along_edge(const Symmetric2<double>& H, HeldStep& step) {
   const auto &u = step.by[0], &v = step.by[1];
   const double es = v.gs - u.gs, et = v.gt - u.gt, square = es * es + et * et;
   const double across = (u.a - v.a) / square, curve = H.form(-et, es);
   if (!(curve > 0)) return false;
-  const auto slope = [&](double s, double t) {  // grad of (2) where u holds it
+  const auto slope = [&](double s, double t) {  // grad of (2) in the direction u
     return std::array{H.xx * s + H.xy * t + u.gs, H.xy * s + H.yy * t + u.gt};
   };
   const auto before = slope(across * es, across * et);
@@ -179,8 +179,8 @@ class CornerSearch {
 
   const PlacedSuper<Form>& smooth() const { return smooth_; }
 
-  /// Downhill from a unit direction. Ends at once if that parts the bodies; a direction found on
-  /// the way that does is improved while that is worth a step.
+  /// Descends from a unit direction. Ends at once if a direction separates the bodies; one found on
+  /// the way is improved while that is worth a step.
   CornerNormal from(const Vec3d& start, int most) {
     At at = take(start);
     CornerNormal out;
@@ -200,7 +200,7 @@ class CornerSearch {
           r + (0.5 * T.form(s, t) + step.level()) / std::sqrt(1 + length2);  // after the step
       if (out.depth < 0 && depth > 1.5 * out.depth) return apart(out);
       const double pace = std::sqrt(at.cap.pace.form(s, t) + length2);
-      // On a face H counts for the weights alone, and not where the step is 0.
+      // On a face H is used only for the weights, and not where the step is 0.
       const bool ends = minimum && is_precise(at.cap, step, made && step.size == 3 ? 1 : pace);
       if (ends && (depth > 0 || at.core_depth + r - depth < rounding)) {
         out.depth = std::max(depth, 0.0), out.settled = true;
@@ -264,8 +264,8 @@ class CornerSearch {
     return search.best();
   }
 
-  /// As newton_step(): the errors of normal and point after the step. A vertex is exact as a
-  /// point, a face as a normal.
+  /// As newton_step(): errors of normal and point after the step. A vertex is exact as a point, a
+  /// face as a normal.
   bool is_precise(const Cap<double>& cap, const HeldStep& step, double pace) const {
     const auto& T = cap.radii;
     const double s = step.s, t = step.t;
@@ -290,10 +290,10 @@ class CornerSearch {
 
 }  // namespace detail
 
-/// From the direction `last` (in the axes of the polyhedron), or of a pair without one if that is
-/// zero: then by GJK and the expanding polytope as well, and the lower of both minima. The same if
-/// the search from `last` does not settle, or ends deeper than bodies that were apart (`touched` is
-/// false) can have come: `last` may be old, and its minimum not the least.
+/// From the direction `last` (in the axes of the polyhedron). Without one (zero): also by GJK and
+/// the expanding polytope, and the lower of both minima. The same if the search from `last` does
+/// not converge, or ends deeper than is possible for bodies that were apart (`touched` is false):
+/// `last` may be old, and its minimum not the smallest.
 template <class Form>
 CornerNormal find_corner_normal(const PlacedSuper<Form>& smooth, const PlacedPolyhedron& body,
                                 const Vec3d& last, bool touched = true) {
@@ -324,7 +324,7 @@ CornerNormal find_corner_normal(const PlacedSuper<Form>& smooth, const PlacedPol
   polished.evaluations += best.evaluations;
   if (polished.settled && (!best.settled || polished.depth < best.depth)) return polished;
   if (best.settled) return best;
-  const auto& lower = polished.depth < best.depth ? polished : best;  // all are upper bounds
+  const auto& lower = polished.depth < best.depth ? polished : best;  // both are upper bounds
   return robust.depth < lower.depth ? robust : lower;
 }
 

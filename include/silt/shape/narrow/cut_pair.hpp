@@ -4,19 +4,19 @@
 #include <silt/shape/narrow/clip.hpp>
 #include <silt/shape/narrow/placed_polyhedron.hpp>
 
-/// The intersection of two bodies, or of a body and a half-space, as a graph: which planes cut
-/// which body, and in which order. The result does not depend on the order; the speed does. Tests:
-/// tests/shape/volume_overlap.cpp
+/// Intersection of two bodies, or of a body and a half-space, as a graph: the planes that cut a
+/// body, and their order. The result does not depend on the order; the speed does.
+/// Tests:   tests/shape/volume_overlap.cpp
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Half-spaces of a cutter in the frame of the body that is cut. Columns for lanes.
+/// Half-spaces of a cutter in the frame of the body to be cut. Columns for lanes.
 struct Cutter {
   static constexpr std::size_t most = (Polyhedron::most_faces + 7) / 8 * 8;
   alignas(64) double x[most], y[most], z[most], offset[most];
   std::size_t size;
 
-  /// The thread's one, to be filled anew.
+  /// The object of this thread, emptied.
   static SILT_INLINE Cutter& empty() {
     Cutter& all = room_of_thread<Cutter>();
     all.size = 0;
@@ -25,8 +25,8 @@ struct Cutter {
   HalfSpace half(std::size_t k) const { return {{x[k], y[k], z[k]}, offset[k]}; }
 };
 
-/// The planes of `by` in the frame of `body`: n . (D + Q x) <= offset, D and Q the place and turn
-/// of `body` seen from `by`.
+/// Planes of `by` in the frame of `body`: n . (D + Q x) <= offset, D and Q position and rotation of
+/// `body` relative to `by`.
 inline void place_planes(const PlacedPolyhedron& by, const PlacedPolyhedron& body, Cutter& out) {
   using Real = Lanes<DefaultArch>::Real;
   const Vec3d d = by.pose.to_body(body.pose.position);
@@ -45,12 +45,12 @@ inline void place_planes(const PlacedPolyhedron& by, const PlacedPolyhedron& bod
   }
 }
 
-/// A bit for each plane of a cutter.
+/// One bit for each plane of a cutter.
 using PlaneBits = std::array<std::uint64_t, (Cutter::most + 63) / 64>;
-/// So many at most: order and tight boxes cost more than they save.
+/// Limit: order and tight boxes cost more than they save.
 inline constexpr std::size_t few_planes = 64;
 
-/// Calls use(plane) for all that are marked until it is false, and returns whether it never was.
+/// Calls use(plane) for all marked planes until it is false, and returns whether it never was.
 template <class Use>
 SILT_INLINE bool for_each_plane(const Cutter& cutter, const PlaneBits& words, const Use& use) {
   for (std::size_t word = 0; word * 64 < cutter.size; ++word)
@@ -67,7 +67,7 @@ inline RotationMatrix frame_along(const Vec3d& n) {
   return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
 }
 
-/// Marks the planes that are lower than highest_along(normal), in lanes.
+/// Marks the planes lower than highest_along(normal), in lanes.
 template <class Highest>
 SILT_INLINE void mark_planes(const Cutter& c, PlaneBits& words, const Highest& highest_along) {
   using Real = Lanes<DefaultArch>::Real;
@@ -82,9 +82,9 @@ SILT_INLINE void mark_planes(const Cutter& c, PlaneBits& words, const Highest& h
   }
 }
 
-/// Those that may cut the box around the graph, in lanes. Fills as many words as there are planes.
-/// What a plane has left of a round body is a flat cap: of many planes a box along the axes of the
-/// body would let in ten times as many as one along `flat`, a unit vector.
+/// Marks the planes that may cut the box around the graph, in lanes. Fills as many words as there
+/// are planes. The rest of a round body after a cut is a flat cap: with many planes a box along the
+/// axes of the body would include ten times as many as one along `flat`, a unit vector.
 inline void planes_that_may_cut(const ClippedBody::Graph& g, const Cutter& c, const Vec3d& flat,
                                 PlaneBits& words) {
   if (c.size <= few_planes) {
@@ -112,8 +112,8 @@ inline void planes_that_may_cut(const ClippedBody::Graph& g, const Cutter& c, co
   });
 }
 
-/// Cuts by the planes marked, those first that look most like `flat`: as a lens comes to its shape
-/// from the middle outwards, most of those beyond its rim find nothing left to cut.
+/// Cuts by the marked planes, those closest to `flat` first: a lens is cut from the middle
+/// outwards, and most planes beyond its rim then have nothing left to cut.
 inline bool cut_from_middle(ClippedBody& body, const Cutter& cutter, const PlaneBits& words,
                             const Vec3d& flat) {
   constexpr std::size_t rings = 16;
@@ -138,7 +138,7 @@ inline bool cut_from_middle(ClippedBody& body, const Cutter& cutter, const Plane
   return true;
 }
 
-/// Cuts `body` by all planes, `first` first: it should leave little to cut for the others. False if
+/// Cuts `body` by all planes, `first` first: it should leave little for the others. False if
 /// nothing is left.
 inline bool cut_by_all(ClippedBody& body, const Cutter& cutter, std::size_t first) {
   const HalfSpace half = cutter.half(first);
@@ -153,7 +153,7 @@ inline bool cut_by_all(ClippedBody& body, const Cutter& cutter, std::size_t firs
 
 /// Cuts i and j and calls action(graph, body that was cut, cutter, +1 if i's planes cut) if
 /// anything is left. The planes of the body with a face across the axis cut the other one: a corner
-/// pressed into a face takes one cut then.
+/// pressed into a face then needs one cut.
 template <class Action>
 void cut_pair(const PlacedPolyhedron& i, const PlacedPolyhedron& j, const Vec3d& axis,
               Action&& action) {

@@ -10,24 +10,23 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A convex set for gjk_distance: its farthest point along n, in space. n need not be a unit
-/// vector.
+/// Convex set for gjk_distance: its farthest point along n, in space. n need not be a unit vector.
 template <class C>
 concept ConvexSet = requires(const C& c, const Vec3d& n) {
   { c.support(n) } -> std::same_as<Vec3d>;
 };
 
-/// A point: the core of a sphere.
+/// Point: the core of a sphere.
 struct PointSet {
   Vec3d at;  // [m]
   Vec3d support(const Vec3d&) const { return at; }
 };
-/// A segment: the core of a capsule.
+/// Segment: the core of a capsule.
 struct SegmentSet {
   Vec3d a, b;  // [m]
   Vec3d support(const Vec3d& n) const { return dot(n, b - a) > 0 ? b : a; }
 };
-/// A triangle of a mesh wall.
+/// Triangle of a mesh wall.
 struct TriangleSet {
   std::array<Vec3d, 3> corners;  // [m]
   Vec3d support(const Vec3d& n) const {
@@ -38,7 +37,7 @@ struct TriangleSet {
 
 namespace detail {
 
-/// A corner of the simplex: a point of A - B and where it comes from.
+/// Vertex of the simplex: a point of A - B and its points in A and B.
 struct SimplexPoint {
   Vec3d difference, on_a, on_b;
 };
@@ -68,14 +67,14 @@ inline void nearest_on_segment(Simplex& s) {
   }
 }
 
-/// Keeps the better of the simplex so far and one on some of its corners.
+/// Keeps the better of the present simplex and one on some of its vertices.
 inline void keep_nearer(const Simplex& candidate, Simplex& best, double& best_square) {
   const Vec3d v = candidate.nearest();
   if (const double square = dot(v, v); square < best_square) best = candidate, best_square = square;
 }
 
-/// By the projection if it is inside, else by the nearest of the sides: no case distinction that
-/// rounding could take wrongly.
+/// By the projection if it is inside, else by the nearest of the sides. There is no case
+/// distinction that rounding could decide wrongly.
 inline void nearest_on_triangle(Simplex& s) {
   const Vec3d a = s.corner[0].difference, b = s.corner[1].difference, c = s.corner[2].difference;
   const Vec3d n = cross(b - a, c - a);
@@ -97,7 +96,8 @@ inline void nearest_on_triangle(Simplex& s) {
   s = best;
 }
 
-/// True if the origin is inside (then the simplex stays whole). `outside`: it is known not to be.
+/// True if the origin is inside (the simplex is then kept whole). `outside`: it is known to be
+/// outside.
 inline bool nearest_on_tetrahedron(Simplex& s, bool outside = false) {
   Simplex best;
   double best_square = std::numeric_limits<double>::infinity();
@@ -132,11 +132,11 @@ inline bool nearest_on_simplex(Simplex& s) {
 
 }  // namespace detail
 
-/// What gjk_distance found about two convex sets A and B.
+/// Result of gjk_distance for two convex sets A and B.
 struct GjkResult {
   double distance = 0;     // [m] between the sets; 0 if they overlap
   double lower_bound = 0;  // [m] proved by `normal`: no point of A is nearer to B along it
-  Vec3d normal{0, 0, 0};   // [-] unit, from B to A; the start of the next call. 0 if they overlap
+  Vec3d normal{0, 0, 0};   // [-] unit, from B to A; start of the next call. 0 if they overlap
   Vec3d on_a{0, 0, 0}, on_b{0, 0, 0};  // [m] nearest points
   bool overlapping = false;
   bool beyond_reach = false;  // stopped as lower_bound > reach; distance is an upper bound
@@ -146,16 +146,17 @@ struct GjkResult {
 
 /// Distance of two convex sets from their support functions.
 ///
-/// The point nearest to the origin of the simplex (at most four points of A - B) gives an upper
-/// bound |v|, the plane through the new support point w a lower one, v . w/|v|; the end is
+/// The point of the simplex (at most four points of A - B) nearest to the origin gives an upper
+/// bound |v|, the plane through the new support point w a lower bound, v . w/|v|. The search ends
+/// with
 ///   |v| - v . w/|v| <= 1e-10 |v|, or no progress beyond rounding.                             (1)
-/// The normal error is sqrt(2e-10) at most where (1) ended it, that of the distance 1e-10.
+/// If ended by (1), the error of the normal is at most sqrt(2e-10), and that of the distance 1e-10.
 /// Source: E. G. Gilbert, D. W. Johnson, S. S. Keerthi, IEEE J. Robot. Autom. 4 (1988) 193-203;
 ///         G. van den Bergen, J. Graphics Tools 4 (1999), eq. 1. Sub-simplex: all faces, see above.
-/// `start`: direction from B to A, such as the last `normal`; zero is allowed. The call ends as
-/// soon as the sets are proved farther apart than `reach`. Cost: some 5 supports of each set, 1
-/// with a good start and a reach that is passed. Tests: tests/shape/gjk.cpp (closed forms, exact
-/// separating axes, libccd)
+/// `start`: direction from B to A, such as the last `normal`; may be zero. The call ends as soon as
+/// the sets are proved farther apart than `reach`. Cost: some 5 supports of each set, 1 with a good
+/// start and an exceeded reach.
+/// Tests:  tests/shape/gjk.cpp (closed forms, exact separating axes, libccd)
 template <ConvexSet A, ConvexSet B>
 GjkResult gjk_distance(const A& a, const B& b, const Vec3d& start,
                        double reach = std::numeric_limits<double>::infinity()) {
@@ -163,7 +164,7 @@ GjkResult gjk_distance(const A& a, const B& b, const Vec3d& start,
   GjkResult out;
   auto& s = out.simplex;
   Vec3d v = dot(start, start) > 0 ? start : Vec3d{1, 0, 0};
-  double size = 0;  // [m] of the points of A - B, for what counts as rounding
+  double size = 0;  // [m] of the points of A - B, the scale of rounding
   bool first = true;
   out.distance = std::numeric_limits<double>::infinity();
   for (; out.iterations < 100; ++out.iterations) {
@@ -181,16 +182,16 @@ GjkResult gjk_distance(const A& a, const B& b, const Vec3d& start,
     s.corner[s.size++] = {w, on_a, on_b};
     const auto before = s;
     out.overlapping = detail::nearest_on_simplex(s);
-    // A plane parts the sets: the volume of the tetrahedron drowns in rounding.
+    // A plane separates the sets: the volume of the tetrahedron is lost in rounding.
     if (out.overlapping && out.lower_bound > rounding * size)
       out.overlapping = detail::nearest_on_tetrahedron(s, true);
     if (out.overlapping) break;
     const Vec3d next = s.nearest();
-    if (!(norm(next) > rounding * size)) {  // the origin lies on the simplex
+    if (!(norm(next) > rounding * size)) {  // the origin is on the simplex
       out.overlapping = true;
       break;
     }
-    if (!first && !(norm(next) < out.distance)) {  // rounding: keep what was better
+    if (!first && !(norm(next) < out.distance)) {  // rounding: keep the better one
       s = before, --s.size;
       detail::nearest_on_simplex(s);
       break;

@@ -5,17 +5,18 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The common normal of one pair, by methods that do not fail; for pairs without a last normal, and
-/// for those that Newton's method in lanes does not settle.
+/// Common normal of one pair, by methods that always converge; for pairs without a last normal, and
+/// for those that Newton's method in lanes does not solve.
 ///
 ///   least_depth    Newton on the sphere of directions with a positive Hessian and backtracking:
 ///                  ends in a minimum of F from any start
-///   ray_normal     least (h_i(n) + h_j(-n)) over planes n . d = |d|: where a ray from one centre
-///                  to the other leaves the sum of the bodies. Convex, hence the one minimum; it is
-///                  not less than |d| exactly where the bodies touch. Also the direction of the
-///                  midway point of equal exponents (least scale at which both bodies meet).
-///   rounded        either, for bodies whose faces are rounded much more at first, then less and
-///                  less down to what they are (continuation)
+///   ray_normal     minimum of (h_i(n) + h_j(-n)) over planes n . d = |d|: where a ray from one
+///                  centre to the other leaves the sum of the bodies. Convex, with a single
+///                  minimum, which is at least |d| exactly where the bodies touch. Also the
+///                  direction of the midway point for equal exponents (smallest scale at which
+///                  both bodies meet).
+///   rounded        either, first for bodies with much more rounded faces, then with less rounding
+///                  down to the actual one (continuation)
 ///
 /// Source: convexity of support functions; continuation in place of the homotopy in the exponent of
 ///         Podlozhnyuk et al., Comput. Part. Mech. 4 (2017) 101.
@@ -23,12 +24,12 @@ namespace silt::inline SILT_TARGET {
 struct CommonNormal {
   Vec3d direction{0, 0, 1};  // m, from i to j
   double depth = 0;          // [m] F(m); negative: proved apart
-  double residual = 0;       // [m] |grad F| in the end; of no meaning when apart
-  int evaluations = 0;       // how often F was evaluated
+  double residual = 0;       // [m] final |grad F|; without meaning when apart
+  int evaluations = 0;       // number of evaluations of F
   bool solved = false;       // apart, or the residual is below tolerance * size
 };
 
-/// |grad F| over the smaller size at which a contact counts as solved.
+/// |grad F| over the smaller size below which a contact counts as solved.
 inline constexpr double normal_tolerance = 1e-8;
 
 namespace detail {
@@ -63,7 +64,7 @@ double smaller_size(const PosedPair<FormI, FormJ>& pair) {
   return std::min(pair.i.size, pair.j.size);
 }
 
-/// The step -|H|^-1 g: Newton's with the eigenvalues of H made positive.
+/// Step -|H|^-1 g: Newton's with the eigenvalues of H made positive.
 inline std::array<double, 2> downhill_step(const Symmetric2<double>& H, double gs, double gt,
                                            double least) {
   const double mean = 0.5 * (H.xx + H.yy), half = 0.5 * (H.xx - H.yy);
@@ -77,7 +78,7 @@ inline std::array<double, 2> downhill_step(const Symmetric2<double>& H, double g
 
 inline double slope_of(const Depth<double>& D) { return std::hypot(D.slope_s, D.slope_t); }
 
-/// Goes downhill in F from m. Stops where F < 0 if `stop_apart`.
+/// Descends in F from m. Stops where F < 0 if `stop_apart`.
 template <class FormI, class FormJ>
 CommonNormal least_depth(const PosedPair<FormI, FormJ>& pair, const Vec3d& from, int most,
                          bool stop_apart, double tolerance) {
@@ -95,7 +96,7 @@ CommonNormal least_depth(const PosedPair<FormI, FormJ>& pair, const Vec3d& from,
       const Vec3d m = normalised(at.direction + D.s * (part * step[0]) + D.t * (part * step[1]));
       const auto next = depth_along(pair, m);
       ++at.evaluations;
-      // Near the end differences of F drown in rounding: there a smaller slope will do.
+      // Near the end differences of F are lost in rounding: there a smaller slope is accepted.
       lower = next.F < D.F - 1e-13 * size ||
               (next.F < D.F + 1e-13 * size && slope_of(next) < at.residual);
       if (lower) at.direction = m, D = next;
@@ -116,7 +117,7 @@ CommonNormal ray_normal(const PosedPair<FormI, FormJ>& pair, const Vec3d& ray, c
   double cosine = dot(at.direction, ray);
   auto D = depth_along(pair, at.direction);
   for (at.evaluations = 1;;) {
-    // The point p_i - p_j of the sum, its offset from the ray, and the plane's turning.
+    // The point p_i - p_j of the sum, its distance from the ray, and the rotation of the plane.
     const double S = D.i.height + D.j.height;
     const Vec3d p =
         S * at.direction + (D.i.along_s - D.j.along_s) * D.s + (D.i.along_t - D.j.along_t) * D.t;
@@ -150,7 +151,8 @@ CommonNormal ray_normal(const PosedPair<FormI, FormJ>& pair, const Vec3d& ray, c
   }
 }
 
-/// Runs `search(pair, start, last)` for ever less rounded faces; the first ones need no precision.
+/// Calls `search(pair, start, last)` with decreasing rounding of faces; the first calls need no
+/// precision.
 template <class FormI, class FormJ, class Search>
 CommonNormal with_continuation(const PosedPair<FormI, FormJ>& pair, Vec3d start,
                                const Search& search) {
@@ -186,7 +188,7 @@ CommonNormal find_ray_normal(const PosedPair<FormI, FormJ>& pair, bool stop_apar
   return found;
 }
 
-/// The common normal near `last`, or of a pair without one if that is zero.
+/// Common normal near `last`, or of a pair without one if that is zero.
 template <class FormI, class FormJ>
 CommonNormal find_common_normal(const PosedPair<FormI, FormJ>& pair, const Vec3d& last) {
   CommonNormal best;

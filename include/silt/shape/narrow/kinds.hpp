@@ -11,19 +11,19 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// How kernels take a kind of convex part:
-///   Row                      one in its size, as numbers that can be copied
-///   row(part, scale, store, which)    the same, `scale` [-] as large; what is no number is kept in
-///                            `store`, of which part it is
-///   place(row, axes, at)     one where it stands, a ConvexSet
+/// Data of a kind of convex part for the kernels:
+///   Row                      a part of given size, as numbers that can be copied
+///   row(part, scale, store, which)    the same, scaled by `scale` [-]; other data is in `store`,
+///                            under the number of the part
+///   place(row, axes, at)     a part at its place, a ConvexSet
 ///   bound, least_radius      [m] of the smallest sphere around it about its origin, and of a large
-///                            one inside of it
-///   in_lanes                 whether touch() of narrow/super_ellipsoids.hpp takes it; Form is then
-///                            Row with Reals for doubles
+///                            inscribed sphere
+///   in_lanes                 whether touch() of narrow/super_ellipsoids.hpp accepts it; Form is
+///                            then Row with Reals for doubles
 template <class Kind>
 struct KernelOf;
 
-/// Which part of which form (BodyForm::made).
+/// Number of a part in a form (BodyForm::made).
 struct PartOfForm {
   std::size_t form = 0, part = 0;
   auto operator<=>(const PartOfForm&) const = default;
@@ -49,7 +49,7 @@ struct KernelOf<Ball> {
 };
 
 namespace detail {
-/// A form `scale` [-] as large.
+/// A form scaled by `scale` [-].
 template <class Form>
 Form scaled_form(Form f, double scale) {
   const double square = scale * scale;
@@ -108,7 +108,7 @@ struct KernelOf<Polyhedron> {
   struct Row {
     const Polyhedron* shape;
   };
-  /// One a size of each part, as long as there are particles of that size.
+  /// One entry per size of each part, as long as there are particles of that size.
   struct Store {
     std::map<std::pair<PartOfForm, double>, std::unique_ptr<Polyhedron>> now, before;
     void begin_renewal() { std::swap(now, before); }

@@ -8,14 +8,14 @@ namespace silt::inline SILT_TARGET {
 /// Contact of two cores, each dilated by a margin r: rounded polyhedra, spheres (a point and r),
 /// capsules (a segment and r), super-ellipsoids, triangles of walls, in any pair.
 struct MarginContact {
-  Vec3d normal{0, 0, 0};  // [-] unit, from b to a
-  double overlap = 0;    // [m] r_a + r_b - distance of the cores; <= 0: apart by that much at least
-  Vec3d point{0, 0, 0};  // [m] midway between the two surfaces
+  Vec3d normal{0, 0, 0};       // [-] unit, from b to a
+  double overlap = 0;          // [m] r_a + r_b - distance of the cores; <= 0: gap of at least that
+  Vec3d point{0, 0, 0};        // [m] midway between the two surfaces
   bool cores_overlap = false;  // deeper than the margins: normal and point may jump from here on
   double uncertainty = 0;      // [m] of overlap, for smooth cores that overlap
 };
 
-/// What a pair keeps (12 bytes): the last normal, where the search starts. Zero to begin with.
+/// Memory of a pair (12 bytes): the last normal, start of the search. Initially zero.
 struct AxisMemory {
   float x = 0, y = 0, z = 0;
 
@@ -25,14 +25,16 @@ struct AxisMemory {
   }
 };
 
-/// overlap = r_a + r_b - d with the distance d of the cores (GJK). While d > 0 the gradient of
-/// overlap is the normal (length 1, at any point of the line between the nearest points), so that
-/// any law U(overlap) conserves energy; the normal turns continuously. Where features of the cores
-/// are parallel the nearest points are not unique and the point may jump along them: for blocks
-/// that rest on faces take narrow/volume_overlap.hpp.
+/// overlap = r_a + r_b - d with the distance d of the cores (GJK). For d > 0 the gradient of the
+/// overlap is the normal (length 1, at any point of the line between the nearest points); hence any
+/// law U(overlap) conserves energy, and the normal rotates continuously. Where features of the
+/// cores are parallel the nearest points are not unique and the point may jump along them: for
+/// blocks that rest on faces use narrow/volume_overlap.hpp.
 ///   d = 0: overlap = r_a + r_b + penetration of the cores.
 /// Returns overlap 0 as soon as the dilated bodies are proved apart.
-/// Source: G. van den Bergen 2001 (margins). Tests: tests/shape/gjk.cpp
+///
+/// Source: G. van den Bergen 2001 (margins).
+/// Tests:  tests/shape/gjk.cpp
 template <ConvexSet A, ConvexSet B>
 MarginContact margin_contact(const A& a, double r_a, const B& b, double r_b, AxisMemory& memory) {
   MarginContact out;
@@ -51,7 +53,7 @@ MarginContact margin_contact(const A& a, double r_a, const B& b, double r_b, Axi
   return out;
 }
 
-/// Two bodies by their own radii of dilation.
+/// Two bodies with their own radii of dilation.
 inline MarginContact margin_contact(const PlacedPolyhedron& a, const PlacedPolyhedron& b,
                                     AxisMemory& memory) {
   return margin_contact(a, a.shape->radius(), b, b.shape->radius(), memory);

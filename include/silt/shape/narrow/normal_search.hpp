@@ -5,7 +5,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Two convex bodies where they are: j's centre is at `between` [m] from i's.
+/// Two placed convex bodies: j's centre is at `between` [m] from i's.
 template <class FormI, class FormJ>
 struct PosedPair {
   using Real = typename FormI::Real;
@@ -19,14 +19,15 @@ template <class FormI, class FormJ, class Real>
 PosedPair(const FormI&, const FormJ&, const BodyAxes<Real>&, const BodyAxes<Real>&,
           const Vec3<Real>&) -> PosedPair<FormI, FormJ>;
 
-/// Depth over the direction m (unit, from i to j), and how it changes with m in its tangent plane:
+/// Depth along the direction m (unit, from i to j), and its derivatives with m in its tangent
+/// plane:
 ///
 ///   F(m) = h_i(m) + h_j(-m) - m . d                                                            (1)
 ///   grad F = p_i - p_j (their tangential part),  Hess F = T_i + T_j - F 1                      (2)
 ///
-/// F < 0 for any m proves that the bodies are apart. If they touch, the overlap is the least F, and
-/// there p_i - p_j is along m: force, lever arms and angular momentum agree exactly, and -m is the
-/// gradient of the overlap in the place of i.
+/// F < 0 for any m proves that the bodies are apart. If they touch, the overlap is the minimum of
+/// F. There p_i - p_j is along m: force, lever arms and angular momentum are consistent, and -m is
+/// the gradient of the overlap with respect to the position of i.
 template <class Real>
 struct Depth {
   Real F;                 // [m]
@@ -52,23 +53,23 @@ SILT_INLINE Depth<Real> depth_along(const PosedPair<FormI, FormJ>& pair, const V
   return D;
 }
 
-/// Newton's step for the least depth, and what it leaves open.
+/// Newton's step for the smallest depth, with error estimates.
 ///
-/// The normal it leaves wrong by the relative change of the radii over the step (pace) times the
-/// step. A body's point is wrong by its radii times that, and by its own change over the step times
-/// its own pace. In the flatter body both are large; the point of the other is as good for the
-/// contact, so its error is what counts.
+/// The error of the normal is the relative change of the radii over the step (pace) times the step.
+/// The error of a body's point is its radii times that, plus its own change over the step times its
+/// own pace. In the flatter body both are large. The point of the other body is as good for the
+/// contact, and its error is used.
 template <class Real>
 struct NormalStep {
   Real s, t;            // [-] change of m along the tangents
   Mask<Real> downhill;  // the Hessian is positive: the step leads to a minimum
   Real pace;            // [-] largest relative change of the radii
-  Real turn_error;      // [-] estimate of the error of m after the step
-  Real residual;        // [m] estimate of the error of the contact point after the step
-  Mask<Real> by_i;      // it is i whose point is the more certain
+  Real turn_error;      // [-] estimated error of m after the step
+  Real residual;        // [m] estimated error of the contact point after the step
+  Mask<Real> by_i;      // the point of i is the more accurate one
 };
 
-/// Newton's step towards the direction of least F.
+/// Newton's step towards the direction of the smallest F.
 template <class Real>
 SILT_INLINE NormalStep<Real> newton_step(const Depth<Real>& D) {
   const auto& H = D.hess;
@@ -87,8 +88,8 @@ SILT_INLINE NormalStep<Real> newton_step(const Depth<Real>& D) {
   return {s, t, downhill, pace, Real(2) * turn_error, Real(2) * min(i, j), i < j};
 }
 
-/// Radius [m] for Hertz' law: that of mean curvature, at most the bounding radius (faces), at least
-/// 0.05 radii of the sphere of equal volume (edges and corners).
+/// Radius of curvature [m] for Hertz' law: from the mean curvature, at most the bounding radius
+/// (faces), at least 0.05 radii of the sphere of equal volume (edges and corners).
 template <class Form, class Real = typename Form::Real>
 SILT_INLINE Real contact_radius(const Form& form, const Cap<Real>& cap) {
   const auto& T = cap.radii;

@@ -7,10 +7,10 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The shortest way to part two convex sets that overlap.
+/// Shortest translation that separates two overlapping convex sets.
 struct Penetration {
-  double depth = 0;        // [m] moving a by depth normal parts them
-  double lower_bound = 0;  // [m] no shorter way exists; = depth to rounding for polyhedra
+  double depth = 0;        // [m] a translation of a by depth normal separates them
+  double lower_bound = 0;  // [m] lower bound of depth; = depth to rounding for polyhedra
   Vec3d normal{0, 0, 1};   // [-] unit, from b to a
   Vec3d on_a{0, 0, 0}, on_b{0, 0, 0};  // [m] deepest points, depth apart along the normal
   bool flat = false;  // A - B has no volume (touching, or both in one plane): depth is 0
@@ -18,10 +18,11 @@ struct Penetration {
 
 namespace detail {
 
-/// A polytope of points of A - B around the origin that grows towards its boundary.
+/// Polytope of points of A - B around the origin that grows towards its boundary.
 ///
-/// The nearest face bounds the depth from below, the support along any normal from above; both meet
-/// at a face of A - B. Faces in one plane end the search together, as the support adds nothing.
+/// The nearest face gives a lower bound of the depth, the support along any normal an upper one;
+/// both agree at a face of A - B. Coplanar faces end the search together, as the support adds
+/// nothing.
 /// Source: G. van den Bergen, Proximity queries and penetration depth computation on 3D game
 ///         objects, GDC 2001 (expanding polytope). Capped at 64 supports.
 template <ConvexSet A, ConvexSet B>
@@ -48,7 +49,7 @@ class ExpandingPolytope {
     return {on_a - on_b, on_a, on_b};
   }
 
-  /// Adds points until four span a volume; false (with the flat normal) if there are none.
+  /// Adds points until four span a volume; false (with the normal of the plane) if impossible.
   bool complete() {
     const Vec3d axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     if (points_.size() < 2 && !try_both(axes[0]) && !try_both(axes[1]) && !try_both(axes[2]))
@@ -85,7 +86,7 @@ class ExpandingPolytope {
     return false;
   }
 
-  /// False if its three points lie on one line, to rounding.
+  /// False if its three points are collinear, to rounding.
   bool push(std::size_t i, std::size_t j, std::size_t k) {
     const Vec3d a = points_[i].difference;
     const Vec3d n = cross(points_[j].difference - a, points_[k].difference - a);
@@ -129,7 +130,7 @@ class ExpandingPolytope {
     out_.on_b = scale * (wp * p.on_b + wq * q.on_b + wr * r.on_b);
   }
 
-  /// Faces that see the point give way to a fan from their rim.
+  /// Replaces the faces visible from the point by a fan from their rim.
   bool add(const SimplexPoint& p) {
     std::vector<std::pair<std::size_t, std::size_t>> rim;
     std::vector<Face> kept;
@@ -162,8 +163,8 @@ class ExpandingPolytope {
   Penetration out_;
 };
 
-/// All directions in which the nearest face of A - B can look: normals of faces, and products of
-/// edges whose arcs on the sphere of normals cross (D. Gregorius, GDC 2013).
+/// All possible normals of the nearest face of A - B: normals of faces, and cross products of edges
+/// whose arcs on the sphere of normals intersect (D. Gregorius, GDC 2013).
 class SeparatingAxes {
  public:
   SeparatingAxes(const PlacedPolyhedron& a, const PlacedPolyhedron& b) : a_(a), b_(b) {
@@ -192,7 +193,7 @@ class SeparatingAxes {
             turn * p.shape->faces()[e.left].normal, turn * p.shape->faces()[e.right].normal};
   }
 
-  /// n: outward normal of a's face, or the reverse of b's; the deepest corner of the other body.
+  /// n: outward normal of a's face, or the opposite of b's; the deepest corner of the other body.
   void of_face(const Vec3d& n, bool face_of_a) {
     const Vec3d on_a = a_.support(n), on_b = b_.support(-n);
     const double depth = dot(n, on_a - on_b);
@@ -215,7 +216,7 @@ class SeparatingAxes {
     if (!(length > 1e-12 * norm(a.along) * norm(b.along))) return;
     n *= 1 / length;
     if (dot(n, a.left + a.right) < 0) n = -n;
-    if (!(dot(n, c + d) > 0)) return;  // the arcs lie on opposite sides
+    if (!(dot(n, c + d) > 0)) return;  // the arcs are on opposite sides
     const Vec3d between = b.at - a.at;
     const double depth = -dot(n, between);
     if (!(depth < out_.depth)) return;
@@ -231,14 +232,15 @@ class SeparatingAxes {
 
 }  // namespace detail
 
-/// Of any two convex sets, from the simplex at which gjk_distance found them overlapping. Smooth
-/// sets end within lower_bound .. depth: 64 planes touch them, no more. Tests: tests/shape/gjk.cpp
+/// For any two convex sets, from the simplex at which gjk_distance found the overlap. For smooth
+/// sets the result is between lower_bound and depth, limited by 64 tangent planes.
+/// Tests:   tests/shape/gjk.cpp
 template <ConvexSet A, ConvexSet B>
 Penetration penetration(const A& a, const B& b, const GjkResult& gjk) {
   return detail::ExpandingPolytope<A, B>(a, b, gjk.simplex).result();
 }
-/// Of two polyhedra: exact. All axes, where the expanding polytope did not end and the bodies have
-/// fewer than 200 faces.
+/// For two polyhedra: exact. Uses all axes if the expanding polytope did not converge and the
+/// bodies have fewer than 200 faces.
 inline Penetration penetration(const PlacedPolyhedron& a, const PlacedPolyhedron& b,
                                const GjkResult& gjk) {
   const auto found =

@@ -8,7 +8,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A ball where it stands: a ConvexSet.
+/// A ball at its place: a ConvexSet.
 struct PlacedBall {
   double radius;   // [m]
   Vec3d position;  // [m]
@@ -16,15 +16,14 @@ struct PlacedBall {
   Vec3d support(const Vec3d& n) const { return position + (radius / norm(n)) * n; }
 };
 
-/// A super-ellipsoid or poly-super-ellipsoid where it stands: a ConvexSet. Form: what form_of()
-/// gives.
+/// A super-ellipsoid or poly-super-ellipsoid at its place: a ConvexSet. Form: result of form_of().
 template <class Form>
 struct PlacedSuper {
   Form form;
   BodyAxes<double> axes;  // body to space
   Vec3d position;         // [m] of the form's origin
 
-  /// Height, point and radii of curvature at the outward unit normal n; its own tangents.
+  /// Height, point and radii of curvature at the outward unit normal n, with the given tangents.
   Cap<double> cap(const Vec3d& n, const Vec3d& s, const Vec3d& t) const {
     return cap_at(form, axes.to_body(n), axes.to_body(s), axes.to_body(t));
   }
@@ -40,8 +39,8 @@ struct PlacedSuper {
 static_assert(ConvexSet<PlacedBall>);
 static_assert(ConvexSet<PlacedSuper<SuperForm<double>>>);
 
-/// The radius [m] for Hertz' law of a body where its outward unit normal is n. Of a polyhedron,
-/// whose faces have none and whose corners have 0: that of the sphere of equal volume.
+/// Radius [m] for Hertz' law of a body with the outward unit normal n. For a polyhedron, whose
+/// faces have none and whose corners have 0: that of the sphere of equal volume.
 inline double contact_radius_at(const PlacedBall& ball, const Vec3d&) { return ball.radius; }
 template <class Form>
 double contact_radius_at(const PlacedSuper<Form>& body, const Vec3d& n) {
@@ -54,7 +53,7 @@ inline double contact_radius_at(const PlacedPolyhedron& body, const Vec3d&) {
 }
 
 namespace detail {
-/// [m] of the bounding sphere about the body's place.
+/// [m] radius of the bounding sphere about the body's position.
 inline double bound_of(const PlacedBall& b) { return b.radius; }
 template <class Form>
 double bound_of(const PlacedSuper<Form>& b) {
@@ -63,22 +62,22 @@ double bound_of(const PlacedSuper<Form>& b) {
 inline double bound_of(const PlacedPolyhedron& b) { return b.shape->bounding_radius(); }
 }  // namespace detail
 
-/// A contact of two bodies, or of one with a wall, whatever their shapes are.
+/// Contact of two bodies, or of one with a wall, for all shapes.
 ///
 ///   force on i          = F(overlap) gradient normal, acts at `point`
 ///   torque on i         = couple times that force, about `point`
 ///   rate of the overlap = -gradient (normal . v + couple normal . w), v, w of i relative to the
 ///                         partner at `point`                                                   (1)
 ///
-/// conserve energy for any law F. Gradient 1 and couple 0 wherever the overlap is a depth.
+/// conserve energy for any law F. Gradient 1 and couple 0 if the overlap is a depth.
 struct SolidContact {
   Vec3d normal{0, 0, 1};      // [-] unit, from the partner to i
-  Vec3d point{0, 0, 0};       // [m] in the frame that the bodies are placed in
-  double overlap = 0;         // [m]; where apart minus a lower bound of the gap, or 0
+  Vec3d point{0, 0, 0};       // [m] in the frame in which the bodies are placed
+  double overlap = 0;         // [m]; if apart minus a lower bound of the gap, or 0
   double gradient = 1;        // [-]
   double couple = 0;          // [m]
   double R_eff = 0;           // [m] for Hertz' law
-  std::uint32_t feature = 0;  // of a wall: which face, edge or corner of either
+  std::uint32_t feature = 0;  // of a wall: number of the face, edge or corner of either
   Symmetric3 spread{};        // [m2] covariance of the contact region across the normal
 };
 

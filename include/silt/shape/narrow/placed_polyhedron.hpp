@@ -6,7 +6,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The core of a polyhedron where it stands: a ConvexSet. Does not own the shape.
+/// Core of a polyhedron at its place: a ConvexSet. Does not own the shape.
 struct PlacedPolyhedron {
   const Polyhedron* shape;
   RigidPose pose;
@@ -17,8 +17,8 @@ struct PlacedPolyhedron {
 };
 static_assert(ConvexSet<PlacedPolyhedron>);
 
-/// [m] between the cores of two bodies along `axis` (from b to a, not zero): > 0 proves them apart.
-/// In units of |axis|. All corners of both, in lanes.
+/// [m] Gap of the cores of two bodies along `axis` (from b to a, not zero): > 0 proves them apart.
+/// In units of |axis|. Tests all corners of both, in lanes.
 inline double gap_along(const PlacedPolyhedron& a, const PlacedPolyhedron& b, const Vec3d& axis) {
   return dot(axis, a.pose.position - b.pose.position) - a.shape->reach(-a.pose.turn.back(axis)) -
          b.shape->reach(b.pose.turn.back(axis));

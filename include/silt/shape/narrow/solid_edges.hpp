@@ -7,19 +7,19 @@
 #include <silt/shape/narrow/solid_round_search.hpp>
 #include <silt/shape/narrow/sphere_polyhedron.hpp>
 
-/// How deep an edge or a point lies in a convex body: for the edges and vertices of meshes.
+/// Depth of an edge or a point in a convex body: for edges and vertices of meshes.
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// An edge or point of a wall that lies in a body.
+/// An edge or point of a wall inside a body.
 struct FeatureDepth {
   Vec3d normal;  // [-] unit, the shortest way out for the body
   double depth;  // [m] > 0
   Vec3d at;      // [m] the point of the wall
 };
 
-/// Along the gradient of the gauge of a super-ellipsoid, and f of super_ellipsoid.hpp (1), at a
-/// place in its own axes: the start of a search for the common normal.
+/// Gradient direction of the gauge of a super-ellipsoid, and f of super_ellipsoid.hpp (1), at a
+/// point in its own axes: start of a search for the common normal.
 struct GaugeSlope {
   Vec3d slope;
   double f;
@@ -50,7 +50,7 @@ Vec3d way_out(const PlacedSuper<Form>& body, const Vec3d& at, const Vec3d& edge)
   return length > 1e-9 * norm(out) ? across * (1 / length) : Vec3d{0, 0, 0};
 }
 
-/// The place on an edge where the gauge is least, roughly: halving by the sign of its slope.
+/// Approximate point of an edge with the smallest gauge: bisection by the sign of its slope.
 template <class Form>
 double deepest_on_edge(const PlacedSuper<Form>& body, const Vec3d& from, const Vec3d& edge,
                        double low, double high) {
@@ -62,7 +62,7 @@ double deepest_on_edge(const PlacedSuper<Form>& body, const Vec3d& from, const V
   return 0.5 * (low + high);
 }
 
-/// An edge in a smooth body: the least over unit m across the edge of h(-m) - m . (centre - edge),
+/// An edge in a smooth body: minimum over unit m across the edge of h(-m) - m . (centre - edge),
 /// near the way out by the gauge, if it touches between its ends.
 template <class Form>
 std::optional<FeatureDepth> edge_depth(const PlacedSuper<Form>& body, const Vec3d& from,
@@ -74,7 +74,7 @@ std::optional<FeatureDepth> edge_depth(const PlacedSuper<Form>& body, const Vec3
   const double half = std::sqrt(square);
   if (foot + half < 0 || foot - half > length) return {};
   Vec3d out = way_out(body, from + foot * edge, edge);
-  // That plane parts body and edge for most edges that are only near.
+  // This plane separates body and edge for most edges that are only close.
   if (dot(out, out) > 0 && dot(body.support(out) - from, out) <= 0) return {};
   out = way_out(body, from + deepest_on_edge(body, from, edge, foot - half, foot + half) * edge,
                 edge);
@@ -107,9 +107,9 @@ std::optional<FeatureDepth> point_depth(const PlacedSuper<Form>& body, const Vec
   const double size = body.form.size, bound = body.form.bound;
   if (!(dot(arm, arm) < bound * bound)) return {};
   const auto g = gauge_slope(body.form, body.axes.to_body(arm));
-  if (g.f >= 1) return {};  // contact sees faces that are rounded off, hence less of the body
+  if (g.f >= 1) return {};  // contacts use rounded faces, hence a smaller body
   if (!(dot(g.slope, g.slope) > 0)) return {};
-  // As a ball around the point, whose radius is taken away again.
+  // As a ball around the point, whose radius is subtracted again.
   const PosedPair pair{body.form, SphereForm<double>{size, size}, body.axes,
                        BodyAxes<double>{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, arm};
   const auto found = least_depth(pair, normalised(body.axes.to_space(g.slope)), 40, false, 1e-11);
@@ -117,16 +117,17 @@ std::optional<FeatureDepth> point_depth(const PlacedSuper<Form>& body, const Vec
   return FeatureDepth{-found.direction, found.depth - size, point};
 }
 
-/// A segment in the core of a polyhedron, in its frame: the least depth over all ways out, normals
-/// of faces and of edges across it. Negative where they are apart.
+/// A segment in the core of a polyhedron, in its frame: the smallest depth over all ways out, along
+/// normals of faces and of edges across it. Negative if they are apart.
 struct SegmentDepth {
-  Vec3d out{0, 0, 0};  // [-] outward normal of the core where the way out is shortest
+  Vec3d out{0, 0, 0};  // [-] outward normal of the core at the shortest way out
   double depth = std::numeric_limits<double>::infinity();
-  bool by_end = false;  // the way out is that of an end, by a face that leans along the segment
+  bool by_end = false;  // the way out is that of an end, by a face inclined along the segment
 };
 inline SegmentDepth segment_depth(const Polyhedron& core, const Vec3d& a, const Vec3d& b,
                                   const Vec3d& edge) {
-  constexpr double along = 1e-9;  // a face this near to it counts as along the segment
+  constexpr double along = 1e-9;  // a face inclined less than this counts as parallel to the
+                                  // segment
   SegmentDepth best;
   const auto look = [&](const Vec3d& out, double depth, bool by_end) {
     if (depth < best.depth) best = {out, depth, by_end};
@@ -154,7 +155,7 @@ inline SegmentDepth segment_depth(const Polyhedron& core, const Vec3d& a, const 
   return best;
 }
 
-/// An edge in a polyhedron or nearer than its radius: the middle of what touches of it.
+/// An edge in a polyhedron or nearer than its radius: the middle of its touching part.
 inline std::optional<FeatureDepth> edge_depth(const PlacedPolyhedron& body, const Vec3d& from,
                                               const Vec3d& edge, double length) {
   const double r = body.shape->radius();
@@ -180,8 +181,8 @@ inline std::optional<FeatureDepth> edge_depth(const PlacedPolyhedron& body, cons
   return FeatureDepth{normal, found.depth + r, from + (0.5 * (low + high)) * edge};
 }
 
-/// A vertex of a wall with edges to `others` in a polyhedron: over the faces by which all of them
-/// come out, and the least way out must be the vertex's. Beside the core: of a dilated one.
+/// A vertex of a wall with edges to `others` in a polyhedron: over the faces through which all of
+/// them leave; the shortest way out must be the vertex's. Next to the core: of a dilated one.
 template <class Others>
 std::optional<FeatureDepth> vertex_depth(const PlacedPolyhedron& body, const Vec3d& point,
                                          const Others& others) {

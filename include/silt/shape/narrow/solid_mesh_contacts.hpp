@@ -11,7 +11,7 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// The contacts of one body with a mesh: faces first, then edges, then vertices.
+/// Contacts of one body with a mesh: faces first, then edges, then vertices.
 template <class Body>
 class MeshContacts {
  public:
@@ -22,7 +22,7 @@ class MeshContacts {
         candidates_(candidates),
         centre_(centre_of(body)),
         bound_(bound_of(body)) {
-    // Planes that part a triangle from the body part its edges and vertices too.
+    // A plane that separates a triangle from the body separates its edges and vertices too.
     std::array<std::uint32_t, 64> list;
     std::size_t open = 0;
     for (const auto t : candidates)
@@ -38,7 +38,7 @@ class MeshContacts {
         if (topology.triangles_at_vertex[v][0] == t) add_vertex(v);
   }
 
-  /// From the deepest to the least deep, without other sights of what is there already (b).
+  /// From the deepest to the least deep, without duplicates (b).
   void write(DeepestContacts& deepest) const {
     std::array<const SolidContact*, most> kept;
     std::size_t count = 0;
@@ -54,7 +54,7 @@ class MeshContacts {
   static constexpr bool polyhedron = std::is_same_v<Body, PlacedPolyhedron>;
   static constexpr std::size_t most = 32, most_planes = 8;
 
-  /// A plane that triangles lie in, seen from the body, and the contact with all of it.
+  /// A plane of triangles, relative to the body, and the contact with all of it.
   struct FacePlane {
     Vec3d at, normal;
     SolidContact contact;
@@ -72,7 +72,7 @@ class MeshContacts {
     return mesh_.vertices()[mesh_.triangles()[triangle][k]];
   }
 
-  /// How far p, dropped on the triangle's plane, is outside of it.
+  /// Distance of the projection of p outside the triangle.
   double beside(std::uint32_t t, const Vec3d& p) const {
     const auto& topology = mesh_.topology();
     double most_beside = -std::numeric_limits<double>::infinity();
@@ -85,7 +85,7 @@ class MeshContacts {
     return most_beside;
   }
 
-  /// Adds the contact with a triangle's face; false if its plane parts body and triangle.
+  /// Adds the contact with a triangle's face; false if its plane separates body and triangle.
   bool add_face(std::uint32_t t) {
     const Vec3d& at = corner(t, 0);
     Vec3d normal = mesh_.normals()[t];
@@ -105,7 +105,7 @@ class MeshContacts {
     }
   }
 
-  /// The plane of a triangle; that of an earlier one if it is the same.
+  /// Plane of a triangle; that of an earlier one if it is the same.
   const FacePlane& plane_of(const Vec3d& at, const Vec3d& normal) {
     for (std::size_t k = 0; k < std::min(planes_, most_planes); ++k) {
       const FacePlane& p = plane_[k];
@@ -136,9 +136,9 @@ class MeshContacts {
     return reached;
   }
 
-  /// Whether no other triangle hides from the centre the point p of t: the far slope of a ridge is
-  /// seen from its wrong side. In a hollow the body reaches a little through the other side of it,
-  /// which t sticks out of.
+  /// Whether no other triangle hides the point p of t from the centre: the far slope of a ridge is
+  /// seen from its back. In a concave crease the body penetrates slightly into its other side,
+  /// beyond which t protrudes.
   bool in_sight(std::uint32_t t, const Vec3d& p) const {
     const Vec3d ray = p - centre_;
     for (const auto other : candidates_) {
@@ -155,7 +155,7 @@ class MeshContacts {
     return true;
   }
 
-  /// The same place of the body on a surface that goes on smoothly.
+  /// The same point of the body on a smooth continuation of the surface.
   bool is_same(const SolidContact& a, const SolidContact& b) const {
     if (dot(a.normal, b.normal) <= mesh_.cos_smooth_angle()) return false;
     constexpr auto corners = Polyhedron::most_vertices;
@@ -165,8 +165,8 @@ class MeshContacts {
     return norm(a.point - b.point) <= near;
   }
 
-  /// Adds a contact in its place by depth; of equally deep ones, to what counts as the same plane,
-  /// faces first.
+  /// Inserts a contact by depth; among equally deep ones, within the tolerance of a plane, faces
+  /// first.
   void keep(const SolidContact& c, bool face, const Vec3d& at) {
     const double rank = c.overlap + (face ? mesh_.plane_tolerance() : 0);
     if (count_ == most && !(rank > found_[most - 1].rank)) return;
@@ -189,8 +189,8 @@ class MeshContacts {
     keep(out, false, found.at);
   }
 
-  /// Whether the surface sticks out at a point of it, towards n: none of the triangles that hold it
-  /// rises above the plane across n.
+  /// Whether the surface protrudes at one of its points towards n: none of the triangles at the
+  /// point rises above the plane across n.
   bool sticks_out(const Vec3d& p, const Vec3d& n) const {
     const double tolerance = mesh_.plane_tolerance();
     for (const auto t : candidates_) {
@@ -220,7 +220,7 @@ class MeshContacts {
     keep(*found, static_cast<std::uint32_t>(mesh_.triangles().size()) + number);
   }
 
-  /// Not an edge within a plane, and not one in a hollow as the body sees it.
+  /// Not an edge within a plane, and not in a concave crease seen from the body.
   bool may_stick_out(std::uint32_t edge, std::uint32_t a, std::uint32_t b) const {
     const double b_over_a = over(edge, a, b), a_over_b = over(edge, b, a);
     const double flat = mesh_.plane_tolerance();
@@ -228,7 +228,7 @@ class MeshContacts {
       return dot(inwards(edge, a), inwards(edge, b)) > 0;
     return b_over_a <= flat || a_over_b <= flat;
   }
-  /// [m] of the free corner of `other` over the plane of t, on the side of the body.
+  /// [m] height of the free corner of `other` over the plane of t, on the side of the body.
   double over(std::uint32_t edge, std::uint32_t t, std::uint32_t other) const {
     const Vec3d& n = mesh_.normals()[t];
     const double side = dot(centre_ - corner(t, 0), n) < 0 ? -1 : 1;
@@ -247,7 +247,7 @@ class MeshContacts {
     return arm - dot(arm, e.direction) * e.direction;
   }
 
-  /// Whether a triangle that shares no corners goes on in the plane of t beyond its edge at p.
+  /// Whether a triangle without common corners continues the plane of t beyond its edge at p.
   bool goes_on(std::uint32_t edge, std::uint32_t t, const Vec3d& p) const {
     const double tolerance = mesh_.plane_tolerance();
     const Vec3d beyond = p - (10 * tolerance) * normalised(inwards(edge, t));
@@ -273,8 +273,8 @@ class MeshContacts {
     keep(*found, static_cast<std::uint32_t>(before) + v);
   }
 
-  /// Whether a vertex is no place within a plane or along a straight edge, which a body that lies
-  /// there nearly flat touches by its corners or by that edge.
+  /// Whether a vertex is not within a plane or on a straight edge, where a nearly flat body touches
+  /// with its corners or along that edge.
   bool is_tip(std::uint32_t v) const {
     const auto& topology = mesh_.topology();
     std::array<Vec3d, 2> along;
@@ -298,7 +298,7 @@ class MeshContacts {
     return !straight;
   }
 
-  /// Whether one of the edges at a vertex lies across n: then it is the edge that touches.
+  /// Whether one of the edges at a vertex is across n: then the edge touches.
   bool flat_along_edge(std::uint32_t v, const Vec3d& n) const {
     const Vec3d& p = mesh_.vertices()[v];
     for (const auto t : mesh_.topology().triangles_at_vertex[v])
@@ -324,32 +324,31 @@ class MeshContacts {
 }  // namespace detail
 
 /// Contacts with a mesh, which is solid from both sides: the body is on the side of its centre, and
-/// not deeper than that. `candidates`: any triangles in ascending order that include all nearer to
-/// the centre than the bounding radius (TriangleMesh::triangles_near).
+/// no deeper. `candidates`: any triangles in ascending order that include all nearer to the centre
+/// than the bounding radius (TriangleMesh::triangles_near).
 ///
-/// Sharp polyhedra: surface_contacts(), on coarse meshes and fine. Others:
+/// Sharp polyhedra: surface_contacts(), on coarse and fine meshes. Others:
 ///
-///   faces     as the triangle's plane (plane_contacts), if the contact's point lies over the
-///             triangle; of a rounded polyhedron the corner
-///   edges     the least over unit m across the edge of h(-m) - m . (centre - edge)
-///   vertices  the least depth of the point in the body
+///   faces     as the triangle's plane (plane_contacts), if the contact's point is over the
+///             triangle; for a rounded polyhedron the corner
+///   edges     minimum over unit m across the edge of h(-m) - m . (centre - edge)
+///   vertices  smallest depth of the point in the body
 ///
-/// An edge or vertex counts where it sticks out: no triangle that holds the contact's point rises
-/// above the plane across the normal. As for TriangleMesh, contacts do not depend on how a surface
-/// was cut: edges within a plane and seams of patches are none; of a super-ellipsoid, (a) an edge
-/// or vertex in the plane of a face contact is left out; (b) of contacts whose normals are within
-/// `smooth_angle` and whose points are as near to each other as on a body of the contact's radius,
-/// the deepest is kept.
+/// An edge or vertex counts where it protrudes: no triangle at the contact's point rises above the
+/// plane across the normal. As for TriangleMesh, contacts do not depend on the triangulation: edges
+/// within a plane and seams of patches do not count. For a super-ellipsoid, (a) an edge or vertex
+/// in the plane of a face contact is omitted; (b) of contacts with normals within `smooth_angle`
+/// and points as close to each other as on a body of the contact's radius, the deepest is kept.
 ///
 /// Features: 0 for faces, for those of a rounded polyhedron the number of its corner; for edges and
 /// vertices most_vertices + that of TriangleMesh. Contacts of one feature differ in their normals.
 ///
 /// Valid:   up to 32 contacts. Smooth bodies at edges and vertices: overlaps below the radius of
-///          curvature, else the way out nearest to that of the body's gauge.
-/// Jumps:   as for spheres, at hollows and saddles, where a place that is no minimum any more still
-///          overlaps; where two ways out of a corner are equally short (the normal); a rounded
-///          corner that leaves the last triangle of a plane while it is not the nearest place. Not
-///          with sharp polyhedra.
+///          curvature, otherwise the way out nearest to that of the body's gauge. Contacts jump, as
+///          for spheres, in hollows and at saddles, where a point that is no longer a minimum still
+///          overlaps; where two ways out of a corner are equally short (the normal); and when a
+///          rounded corner leaves the last triangle of a plane while it is not the nearest point.
+///          Sharp polyhedra do not jump.
 /// Tests:   tests/shape/solid_mesh_contacts.cpp, surface_depth.cpp
 template <class Body>
 int mesh_contacts(const Body& body, const TriangleMesh& mesh,

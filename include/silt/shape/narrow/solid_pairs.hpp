@@ -7,30 +7,31 @@
 #include <silt/shape/narrow/sphere_polyhedron.hpp>
 #include <silt/shape/narrow/thickness_overlap.hpp>
 
-/// The contact of any two bodies of PlacedBall, PlacedSuper and PlacedPolyhedron:
+/// Contact of any two bodies among PlacedBall, PlacedSuper and PlacedPolyhedron:
 ///
 ///   touch_solids(i, j, memory)    SolidContact, for every ordered pair of kinds
 ///   least_gap_of(i, j, memory)    cheap lower bound of the gap; <= 0 proves nothing
 ///
 ///   ball, ball                    closed form
-///   ball or super, super          least depth over all normals (super_ellipsoids.hpp)
+///   ball or super, super          smallest depth over all normals (super_ellipsoids.hpp)
 ///   ball, polyhedron              nearest point of the polyhedron (sphere_polyhedron.hpp)
-///   super, polyhedron             least depth over all normals (corner_normal.hpp)
+///   super, polyhedron             smallest depth over all normals (corner_normal.hpp)
 ///   two sharp polyhedra           thickness of the intersection (thickness_overlap.hpp)
-///   polyhedra, one or both        distance of the cores (margin_contact.hpp)
+///   polyhedra, at least one       distance of the cores (margin_contact.hpp)
 ///   dilated
 ///
-/// (super: super-ellipsoid or poly-super-ellipsoid; a dilated polyhedron counts with its radius.)
-/// The overlap is a potential of place and turn in all of them (placed.hpp (1)), with the R_eff of
-/// the first touch, which memory keeps. Continuous, but for the normal where two ways out are as
-/// short: a ball's centre inside of a polyhedron and equally far from two of its faces; a super's
-/// overlap beyond its own radius of curvature, where its minimum may end (super_ellipsoids.hpp);
-/// dilated polyhedra whose cores overlap. The point jumps where parallel edges or faces leave it
-/// free (dilated polyhedra; super on polyhedron only if the super is flat there).
+/// (super: super-ellipsoid or poly-super-ellipsoid; a dilated polyhedron includes its radius.) In
+/// all of them the overlap is a potential of position and orientation (placed.hpp (1)), with the
+/// R_eff of the first touch, which is kept in memory. They are continuous except for the normal
+/// where two ways out are equally short: a ball's centre inside a polyhedron and equally far from
+/// two of its faces; a super's overlap beyond its own radius of curvature, where its minimum may
+/// end (super_ellipsoids.hpp); dilated polyhedra with overlapping cores. The point jumps where
+/// parallel edges or faces leave it undetermined (dilated polyhedra; super on polyhedron only if
+/// the super is flat there).
 ///
-/// Memory: direction = -normal, in the axes of the body that is flatter at the contact; those of a
-/// ball are those of space. A pair without one (follows = 0: new, or its bounding spheres were
-/// apart) is searched as a whole; otherwise a touching pair follows the minimum it came in by.
+/// Memory: direction = -normal, in the axes of the body that is flatter at the contact; for a ball
+///         in space. A pair without one (follows = 0: new, or its bounding spheres were apart) is
+///         searched globally; otherwise a touching pair follows its minimum.
 ///
 /// Tests:  tests/shape/solid_pairs.cpp. Cost: benchmarks/shape/bench_solid_pairs.cpp.
 
@@ -64,7 +65,7 @@ inline double height_bound(const PlacedPolyhedron& b, const Vec3d& n) {
   return b.shape->reach(b.pose.turn.back(n)) + b.shape->radius();
 }
 
-/// The last direction from i to j, in space; zero if there is none.
+/// Last direction from i to j, in space; zero if there is none.
 template <class A, class B>
 Vec3d last_direction_of(const A& i, const B& j, const NormalMemory<double>& memory) {
   if (memory.follows == 0) return {0, 0, 0};
@@ -78,7 +79,7 @@ void keep_direction_of(const A& i, const B& j, const Vec3d& m, bool with_i,
   memory.follows = with_i ? 1 : -1;
 }
 
-/// Of a pair that touches: R_eff of the first touch. m = -normal.
+/// For a touching pair: R_eff of the first touch. m = -normal.
 template <class A, class B>
 double keep_radius(const A& i, const B& j, const Vec3d& m, NormalMemory<double>& memory) {
   if (!(memory.R_eff > 0)) {
@@ -96,7 +97,7 @@ inline SolidContact apart_by(double gap, NormalMemory<double>& memory) {
   return out;
 }
 
-/// By the bounding spheres; a pair that is apart by these is new when it comes back.
+/// By the bounding spheres; a pair that is apart by these is new when it returns.
 template <class A, class B>
 double gap_of_spheres(const A& i, const B& j) {
   return norm(place_of(j) - place_of(i)) - (bound_of(i) + bound_of(j));
@@ -108,7 +109,7 @@ double gap_towards(const A& i, const B& j, const Vec3d& m) {
   return dot(m, place_of(j) - place_of(i)) - height_bound(i, m) - height_bound(j, -m);
 }
 
-/// i and j in the other order: minus the direction, which follows the same body.
+/// For i and j in the other order: minus the direction, which follows the same body.
 inline NormalMemory<double> mirrored(const NormalMemory<double>& m) {
   return {-m.direction, -m.follows, m.R_eff};
 }
@@ -145,7 +146,7 @@ SolidContact touch_smooth(const A& i, const B& j, NormalMemory<double>& memory) 
   return out;
 }
 
-/// The point and overlap of the least depth of a super-ellipsoid and a polyhedron.
+/// Point and overlap of the smallest depth of a super-ellipsoid and a polyhedron.
 template <class Form>
 SolidContact touch_corners(const PlacedSuper<Form>& i, const PlacedPolyhedron& j,
                            NormalMemory<double>& memory) {
@@ -159,7 +160,7 @@ SolidContact touch_corners(const PlacedSuper<Form>& i, const PlacedPolyhedron& j
   const auto& turn = j.pose.turn;
   const auto found = find_corner_normal(i, j, turn.back(last), memory.R_eff > 0);
   const Vec3d m = turn * found.direction;
-  // A corner leaves the normal to the smooth body, whose turning it follows.
+  // At a corner the normal belongs to the smooth body, whose rotation it follows.
   if (found.held == 1)
     keep_direction_of(i, j, m, true, memory);
   else
@@ -241,7 +242,7 @@ double least_gap_of(const A& i, const B& j, const NormalMemory<double>& memory) 
   return std::max(by_spheres, detail::gap_towards(i, j, m));
 }
 
-/// The contact of two convex parts of any two kinds; `memory` is the direction found last.
+/// Contact of two convex parts of any two kinds; `memory` is the last direction.
 inline SolidContact touch_solids(const PlacedBall& i, const PlacedBall& j,
                                  NormalMemory<double>& memory) {
   const Vec3d between = j.position - i.position;
@@ -304,7 +305,7 @@ inline SolidContact touch_solids(const PlacedPolyhedron& i, const PlacedPolyhedr
   return out;
 }
 
-// ---- the other orders ---------------------------------------------------------------------------
+// ---- other orders -------------------------------------------------------------------------------
 
 namespace detail {
 template <class A, class B>

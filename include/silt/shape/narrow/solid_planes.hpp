@@ -7,7 +7,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Convex bodies at planes, and what all contacts with walls share: for solid_walls.hpp.
+/// Convex bodies at planes, and the common part of all contacts with walls: for solid_walls.hpp.
 
 namespace detail {
 
@@ -16,7 +16,7 @@ const Vec3d& centre_of(const PlacedSuper<Form>& body) {
   return body.position;
 }
 inline const Vec3d& centre_of(const PlacedPolyhedron& body) { return body.pose.position; }
-/// The deepest contacts of those added; of equally deep ones the first added.
+/// The deepest contacts of those added; among equally deep ones the first added.
 struct DeepestContacts {
   SolidContact* out;
   int most;
@@ -32,7 +32,7 @@ struct DeepestContacts {
   void remove(int k) { std::copy(out + k + 1, out + count--, out + k); }
 };
 
-/// What contact laws need of an overlap by thickness; `normal`: of the wall.
+/// Contact data of an overlap by thickness; `normal`: of the wall.
 inline SolidContact solid_contact(const PlacedPolyhedron& body, const VolumeContact& found) {
   return {found.normal,
           found.point,
@@ -44,7 +44,7 @@ inline SolidContact solid_contact(const PlacedPolyhedron& body, const VolumeCont
           found.spread};
 }
 
-/// A body that lies as deep in the half-space as its support point does.
+/// A body whose depth in the half-space is that of its support point.
 template <class Form>
 SolidContact half_space_contact(const PlacedSuper<Form>& body, const Vec3d& at,
                                 const Vec3d& normal) {
@@ -61,7 +61,7 @@ SolidContact half_space_contact(const PlacedSuper<Form>& body, const Vec3d& at,
   out.R_eff = contact_radius(body.form, cap);
   return out;
 }
-/// The sharp core of a polyhedron, by the thickness of what lies in the half-space.
+/// Sharp core of a polyhedron, by the thickness of its part in the half-space.
 inline SolidContact half_space_contact(const PlacedPolyhedron& body, const Vec3d& at,
                                        const Vec3d& normal) {
   if (!(dot(body.pose.position - at, normal) < bound_of(body))) return {};
@@ -78,15 +78,15 @@ inline SolidContact corner_contact(const PlacedPolyhedron& body, std::uint32_t v
 
 }  // namespace detail
 
-/// Contacts with a plane whose normal has length 1.
+/// Contacts with a plane with a unit normal.
 ///
 ///   super-ellipsoid     one, at the support point: overlap = h(-n) - distance
-///   sharp polyhedron    one, thickness_overlap.hpp: with gradient and couple; one that lies behind
-///                       the plane as a whole is `buried`, gradient 0
+///   sharp polyhedron    one, thickness_overlap.hpp: with gradient and couple; one completely
+///                       behind the plane is `buried`, gradient 0
 ///   dilated polyhedron  one for each corner of the core nearer than its radius
 ///
-/// Continuous in place and turn, as long as `most` holds all corners. Tests:
-/// tests/shape/solid_walls.cpp
+/// Continuous in position and orientation, as long as `most` covers all corners.
+/// Tests:   tests/shape/solid_walls.cpp
 template <class Form>
 int plane_contacts(const PlacedSuper<Form>& body, const Plane& unit_plane, SolidContact* out,
                    int most) {

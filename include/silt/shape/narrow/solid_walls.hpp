@@ -10,14 +10,14 @@ namespace silt::inline SILT_TARGET {
 /// Contacts of convex bodies with walls, all in the wall's frame: planes (solid_planes.hpp),
 /// cylinders and cones; meshes in solid_mesh_contacts.hpp.
 ///
-/// Every function writes up to `most` contacts with overlap > 0, deepest first, and returns how
-/// many. The normal is from the wall to the body, the point midway between the surfaces. From one
-/// step to the next a contact is the one of the same feature with the nearest normal:
-///   polyhedra         a corner's number, where corners touch on their own; else 0
+/// Every function writes up to `most` contacts with overlap > 0, deepest first, and returns their
+/// number. The normal is from the wall to the body, the point midway between the surfaces. From
+/// step to step a contact is identified by its feature and the nearest normal:
+///   polyhedra         number of the corner, if corners touch separately; else 0
 ///   super-ellipsoids  on the inner side of a round wall the edge or corner of the body; else 0
 ///   rims              1000 at `from`, 1001 at `to`
 ///   meshes            see mesh_contacts()
-/// More contacts than `most`: those kept change by a jump as they change places in depth.
+/// With more contacts than `most`, the selection jumps when their order in depth changes.
 
 namespace detail {
 
@@ -34,8 +34,8 @@ SolidContact round_contact(const RoundWall& wall, const Body& body, const Vec3d&
   return out;
 }
 
-/// Which edge or corner of the body p is near, 0 to 26, by its place over the semi-axes; 13 where
-/// the body is round. Exponents up to 3 count as round: a rolling body keeps its feature.
+/// Edge or corner of the body near p, 0 to 26, from its position over the semi-axes; 13 where the
+/// body is round. Exponents up to 3 count as round: a rolling body keeps its feature.
 template <class Form>
 std::uint32_t body_cell(const PlacedSuper<Form>& body, const Vec3d& p) {
   const Vec3d at = body.axes.to_body(p), a2 = body.form.axes2_towards(at);
@@ -62,8 +62,8 @@ int inner_contacts(const RoundWall& wall, const PlacedSuper<Form>& body, Deepest
   return deepest.count;
 }
 /// A contact of a polyhedron `over_end` from an end of the surface, at the angle of e: if the rim
-/// there is a shorter way out, by a face that leans over it, that counts. False: none at all, as
-/// the body lies on the rim, which this place is beyond of.
+/// there is a shorter way out, through a face inclined over it, that counts. False: no contact, as
+/// the body is on the rim and this point is beyond it.
 [[gnu::noinline]] inline bool over_rim(const RoundWall& wall, const PlacedPolyhedron& body,
                                        const Vec3d& e, double over_end, bool at_to, double free,
                                        SolidContact& contact) {
@@ -108,7 +108,7 @@ inline int inner_contacts(const RoundWall& wall, const PlacedPolyhedron& body,
 template <class Form>
 int outer_contacts(const RoundWall& wall, const PlacedSuper<Form>& body, DeepestContacts& deepest,
                    double&) {
-  if (support_at(wall, body, 0, -1).beyond >= 0) return 0;  // this plane parts them
+  if (support_at(wall, body, 0, -1).beyond >= 0) return 0;  // this plane separates them
   const double range = outer_range(wall, body.form.bound);
   const auto at = turning_point(wall, body, -range, range, 0, -1);
   if (at.beyond < 0 && wall.between_ends(at.p, at.e))
@@ -116,7 +116,7 @@ int outer_contacts(const RoundWall& wall, const PlacedSuper<Form>& body, Deepest
   return deepest.count;
 }
 
-/// A face or edge along the wall touches on a line: the middle of what lies on the wall.
+/// A face or edge along the wall touches on a line: the middle of the part on the wall.
 inline int outer_contacts(const RoundWall& wall, const PlacedPolyhedron& body,
                           DeepestContacts& deepest, double& ahead) {
   const OuterAngle best(wall, body);
@@ -128,18 +128,18 @@ inline int outer_contacts(const RoundWall& wall, const PlacedPolyhedron& body,
   const double depth = r - best.beyond(), over_end = std::min(line.high, wall.slant() - line.low);
   ahead = std::max(0.0, depth - std::abs(over_end));
   if (!(low <= high)) return 0;
-  // From place along the slant and height to the point itself.
+  // From position along the slant and height to the point itself.
   const Vec3d along = wall.n_r * wall.axis - wall.n_z * e;
   const Vec3d p = wall.radius * e + (0.5 * (low + high)) * along + best.beyond() * wall.normal(e);
   auto contact = round_contact(wall, body, p, e, -1, r);
   if (over_end < -2 * best.beyond())
     over_rim(wall, body, e, over_end, line.high > wall.slant() - line.low, 1, contact);
-  if (is_rim(contact)) return 0;  // add_rim() has it
+  if (is_rim(contact)) return 0;  // handled by add_rim()
   deepest.add(contact);
   return deepest.count;
 }
 
-/// Whether the rim is out of the body as soon as it has left the surface.
+/// Whether the rim leaves the body as soon as it has left the surface.
 inline bool leaves_rim(const Rim& rim, const PlacedPolyhedron& body, const SolidContact& on_rim,
                        const SolidContact& other) {
   const Vec3d p = on_rim.point - rim.wall.from;
@@ -151,8 +151,8 @@ bool leaves_rim(const Rim&, const PlacedSuper<Form>&, const SolidContact&, const
   return false;
 }
 
-/// Adds the contacts with a rim. Where a body touches rim and surface in the same place the
-/// shorter way out counts.
+/// Adds the contacts with a rim. If a body touches rim and surface at the same place, the shorter
+/// way out counts.
 template <class Body>
 [[gnu::noinline]] void add_rim(const Rim& rim, const Body& body, double ahead, bool alone,
                                DeepestContacts& deepest) {
@@ -192,7 +192,7 @@ int round_contacts(const Body& body, const Vec3d& from, const Vec3d& to, double 
   const Vec3d centre = centre_of(body) - wall.from;
   const double beyond = wall.beyond(centre, wall.normal(wall.x)), z = dot(centre, wall.axis);
   double ahead = 0;
-  // A body that has come past an end to the other side is not behind the surface.
+  // A body that has passed an end to the other side is not behind the surface.
   if ((inner ? beyond <= 0 : beyond >= 0) || (z >= 0 && z <= wall.length)) {
     if (inner)
       inner_contacts(wall, body, deepest, ahead);
@@ -211,29 +211,28 @@ int round_contacts(const Body& body, const Vec3d& from, const Vec3d& to, double 
 /// Contacts with the lateral surface of a cylinder and with its rims.
 ///
 ///   inside, super-ellipsoid  every local maximum over the wall's normals N of h(N) + N . (centre -
-///                            surface): a die that lies on its face touches with two edges
-///   inside, polyhedron       every corner of the core beyond the surface, or nearer than its
-///   radius outside                  one, at the least over N of h(-N) - N . (centre - surface),
-///   near the
-///                            direction of the body: its centre, not the axis, is outside
-///   rims                     every place of the circle that is deepest in the body, if the surface
-///                            does not rise above the plane across the normal there
+///                            surface): a die on its face touches with two edges
+///   inside, polyhedron       every corner of the core beyond the surface, or nearer than r
+///   outside                  one, at the minimum over N of h(-N) - N . (centre - surface), near
+///                            the direction of the body: its centre, not the axis, is outside
+///   rims                     every point of the circle that is locally deepest in the body, if the
+///                            surface does not rise above the plane across the normal there
 ///
-/// Overlaps are depths: gradient 1, couple 0, and the envelope theorem makes the normal their
-/// gradient. Where the foot of a contact on the surface comes to an end, that on the rim is as deep
-/// and has the same normal, as for spheres: no jump of smooth and of dilated bodies, as long as
-/// they overlap less than their radii of curvature. A corner of a sharp polyhedron that slips over
-/// a rim has other ways out before and after: over_rim() takes the shorter one, and what is left
-/// jumps by some 0.7 of the overlap. Not continuous either: the point, where a body outside tilts
-/// through a line contact (flat face or edge along the axis) or lies flat on a rim; two places of a
-/// rim that merge while both are deep. Tests: tests/shape/solid_walls.cpp, solid_rims.cpp,
-/// engine/rims.cpp
+/// Overlaps are depths: gradient 1, couple 0; by the envelope theorem the normal is their gradient.
+/// At the end of the surface the contact on the rim has the same depth and normal, as for spheres:
+/// smooth and dilated bodies do not jump, as long as they overlap by less than their radii of
+/// curvature. A corner of a sharp polyhedron that slips over a rim has different ways out before
+/// and after: over_rim() takes the shorter one, and the remaining jump is some 0.7 of the overlap.
+/// Also discontinuous is the point, where a body outside tilts through a line contact (flat face or
+/// edge along the axis) or lies flat on a rim, and where two points of a rim merge while both are
+/// deep.
+/// Tests:   tests/shape/solid_walls.cpp, solid_rims.cpp, engine/rims.cpp
 template <class Body>
 int cylinder_contacts(const Body& body, const Cylinder& wall, SolidContact* out, int most) {
   return detail::round_contacts(body, wall.from, wall.to, wall.radius, wall.radius, wall.side, out,
                                 most);
 }
-/// The same with a cone, whose normals lean along its axis.
+/// The same with a cone, whose normals are inclined along its axis.
 template <class Body>
 int cone_contacts(const Body& body, const Cone& wall, SolidContact* out, int most) {
   return detail::round_contacts(body, wall.from, wall.to, wall.radius_from, wall.radius_to,

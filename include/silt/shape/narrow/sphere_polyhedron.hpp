@@ -5,17 +5,17 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Where a sphere meets a polyhedron.
+/// Contact of a sphere with a polyhedron.
 struct SphereContact {
   Vec3d normal{0, 0, 0};  // [-] unit, from the polyhedron to the sphere
   double overlap = 0;     // [m] 0: apart
   Vec3d point{0, 0, 0};   // [m] midway between the two surfaces
-  bool buried = false;    // the centre is inside of the core: out by the nearest face
+  bool buried = false;    // the centre is inside the core: out through the nearest face
 };
 
 namespace detail {
 
-/// The point of a convex face nearest to `p`, which stands over its plane.
+/// Point of a convex face nearest to `p`, which is over its plane.
 inline Vec3d nearest_on_face(const Polyhedron& body, const Polyhedron::Face& face, const Vec3d& p) {
   const auto corner = body.loop(face);
   const Vec3d foot = p - (dot(face.normal, p) - face.offset) * face.normal;
@@ -34,9 +34,10 @@ inline Vec3d nearest_on_face(const Polyhedron& body, const Polyhedron::Face& fac
 
 }  // namespace detail
 
-/// Exact: the nearest point of the core lies on a face that the centre stands over. If the centre
-/// is inside, the nearest face gives normal and depth (they jump where two faces are equally near).
-/// The dilation of the polyhedron counts. Tests: tests/shape/gjk.cpp
+/// Exact: the nearest point of the core is on a face that the centre is over. If the centre is
+/// inside, the nearest face gives normal and depth (they jump where two faces are equally near).
+/// Includes the dilation of the polyhedron.
+/// Tests:   tests/shape/gjk.cpp
 inline SphereContact sphere_contact(const Vec3d& centre, double radius,
                                     const PlacedPolyhedron& body) {
   const Polyhedron& shape = *body.shape;

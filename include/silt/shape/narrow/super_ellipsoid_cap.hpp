@@ -10,9 +10,9 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What contact needs of a convex body near the point with a given normal n: the height h of the
-/// tangent plane above the centre, where in that plane the point lies, and how fast it moves when
-/// the normal turns. In lanes; in + - * / sqrt, logarithm and power.
+/// Surface of a convex body near the point with a given normal n: the height h of the tangent plane
+/// above the centre, the position of the point in that plane, and its derivative with the normal.
+/// In lanes; with + - * / sqrt, logarithm and power.
 ///
 ///   w_k = (a_k n_k)^2 + e^2,  W_k = w_k^(p_k/2)                                                (1)
 ///   A = W_x + W_y - e^p2,  B = A^(p1/p2) - e^p1 + W_z - e^p1,  h = B^(1/p1)                    (2)
@@ -20,22 +20,22 @@ namespace silt::inline SILT_TARGET {
 ///   H/h = diag(D) + (1 - p1) l l' + (p1 - p2) B A^(-p1/p2) m m',  m = (l_x, l_y, 0)            (4)
 ///   D_k = {...} W_k a_k^2 (p - 1 + (2 - p) e^2/w_k) / (w_k B)
 ///
-/// With e = 0 this is the closed form of super_ellipsoid.hpp. There a face of s > 2 has no radius
-/// of curvature: its points crowd at one normal, and turning that by 1e-12 moves the contact across
-/// the face. With e = smallest semi-axis * face_rounding^(1/p) the radius in the middle of a face
-/// is about a face_rounding^((p-2)/p): 100 a at s = 4, 1000 a at 8, 6000 a at 40, and all is
-/// smooth. The body shrinks for it by less than 3 face_rounding smallest semi-axes; an ellipsoid
-/// not at all.
+/// With e = 0 this is the closed form of super_ellipsoid.hpp. There a face with s > 2 has no radius
+/// of curvature: all its points have nearly the same normal, and a rotation of 1e-12 moves the
+/// contact across the face. With e = smallest semi-axis * face_rounding^(1/p) the radius in the
+/// middle of a face is about a face_rounding^((p-2)/p): 100 a at s = 4, 1000 a at 8, 6000 a at 40,
+/// and everything is smooth. The body shrinks by less than 3 face_rounding smallest semi-axes; an
+/// ellipsoid not at all.
 ///
 /// The matrix of radii T (its eigenvalues are the principal radii of curvature) is, in the tangent
-/// plane, H - (h l . n - h) 1: the Hessian of h made homogeneous of degree one.
+/// plane, H - (h l . n - h) 1: the Hessian of h extended homogeneously of degree one.
 /// Tests:  tests/shape/super_ellipsoid_contact.cpp.
 
-/// Which exponents the bodies of a block have: all 2, and equal axes; all 2; s1 = s2; any. Chosen
-/// at compile time.
+/// Exponents of the bodies of a block: all 2, and equal axes; all 2; s1 = s2; any. Chosen at
+/// compile time.
 enum class Exponents { Ball, Two, Equal, Any };
 
-/// A super-ellipsoid as the kernels take it: plain Reals.
+/// A super-ellipsoid for the kernels: plain Reals.
 template <class R, Exponents E = Exponents::Any>
 struct SuperForm {
   using Real = R;
@@ -62,7 +62,7 @@ struct PolyForm : SuperForm<R, E> {
   using With = PolyForm<Other, E>;
   template <class Other, Exponents Kernel>
   using Of = PolyForm<Other, Kernel>;
-  Vec3<R> minus2;  // [m2] of the sides towards -x, -y, -z; axes2 holds the others
+  Vec3<R> minus2;  // [m2] of the sides towards -x, -y, -z; axes2 has the others
 
   SILT_INLINE Vec3<R> axes2_towards(const Vec3<R>& n) const {
     return {select(n.x < R(0), minus2.x, this->axes2.x),
@@ -121,7 +121,7 @@ inline PolyForm<double> form_of(const PolySuperEllipsoid& shape) {
 /// A sphere as a form of the search.
 inline SphereForm<double> sphere_form(double radius) { return {radius, radius}; }
 
-/// Which kernel a super-ellipsoid of these exponents may use.
+/// Kernel for a super-ellipsoid with these exponents.
 inline Exponents exponents_of(double s1, double s2) {
   return s1 != s2 ? Exponents::Any : s1 == 2 ? Exponents::Two : Exponents::Equal;
 }
@@ -130,7 +130,7 @@ inline Exponents exponents_of(const SuperEllipsoid& shape) {
   return e == Exponents::Two && shape.a == shape.b && shape.b == shape.c ? Exponents::Ball : e;
 }
 
-/// A plain struct of Reals seen as another of the same order: one lane out of packs, or one value
+/// Converts a plain struct of Reals to another of the same order: one lane of packs, or one value
 /// in all lanes. (Forms, rotations, memories.)
 template <class To, class From>
 inline To one_lane(const From& from, std::size_t lane) {
@@ -195,7 +195,7 @@ struct Symmetric2 {
   }
 };
 
-/// Two unit vectors that make a right-handed frame with unit m.
+/// Two unit vectors that form a right-handed frame with unit m.
 /// Source: T. Duff et al., J. Comput. Graph. Tech. 6 (2017) 1.
 template <class Real>
 SILT_INLINE void tangents(const Vec3<Real>& m, Vec3<Real>& s, Vec3<Real>& t) {
@@ -210,11 +210,11 @@ SILT_INLINE Vec3<Real> unit(const Vec3<Real>& v) {
   return v * (Real(1) / sqrt(dot(v, v)));
 }
 
-/// The surface about the point with normal n; s, t span the tangent plane.
+/// The surface near the point with normal n; s, t span the tangent plane.
 template <class Real>
 struct Cap {
   Real height;             // [m] h
-  Real along_s, along_t;   // [m] the point's place in the plane
+  Real along_s, along_t;   // [m] position of the point in the plane
   Symmetric2<Real> radii;  // [m] T
   Symmetric2<Real>
       pace;  // [-] relative change of w_k with the normal, squared: sum a_k^2/w_k dn_k^2
@@ -334,7 +334,7 @@ SILT_INLINE Cap<Real> cap_at(const SphereForm<Real>& form, const Vec3<Real>&, co
   return {form.size, zero, zero, {form.size, zero, form.size}, {one, zero, one}};
 }
 
-/// The point of the body, as contact sees it, whose outward unit normal is n; in its own axes.
+/// Point of the (rounded) body with the outward unit normal n; in its own axes.
 template <class Form>
 inline Vec3d support_of(const Form& form, const Vec3d& n) {
   Vec3d s, t;
@@ -343,7 +343,7 @@ inline Vec3d support_of(const Form& form, const Vec3d& n) {
   return n * cap.height + s * cap.along_s + t * cap.along_t;
 }
 
-/// h(n) alone, to 1e-6 of the body, by rough powers: for tests of separation.
+/// Only h(n), to 1e-6 of the body, by rough powers: for separation tests.
 template <class Real, Exponents E, template <class, Exponents> class Form>
 SILT_INLINE Real rough_height(const Form<Real, E>& f, const Vec3<Real>& n) {
   if constexpr (E == Exponents::Ball) return f.bound;

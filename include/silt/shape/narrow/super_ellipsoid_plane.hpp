@@ -5,14 +5,15 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Contact of a super-ellipsoid i with a plane j, exact and without iteration: the body's lowest
-/// point is its support point.
+/// Contact of a super-ellipsoid i with a plane j, exact and without iteration: the lowest point of
+/// the body is its support point.
 ///
 ///   overlap = h_i(-n) - distance,  point = p_i(-n) + n overlap / 2,  R_eff = R_i
 ///
-/// `normal` n is the plane's unit normal towards the body, `distance` [m] the centre's from the
-/// plane. `first_R_eff` is the memory: R_eff of the first touch, 0 while apart; see ContactRadius.
-/// Shapes: Real = double or a pack of doubles. Tests: tests/shape/super_ellipsoid_contact.cpp.
+/// `normal` n is the plane's unit normal towards the body, `distance` [m] that of the centre from
+/// the plane. `first_R_eff` is the memory: R_eff of the first touch, 0 while apart; see
+/// ContactRadius.
+/// Shapes:  Real = double or a pack of doubles. Tests: tests/shape/super_ellipsoid_contact.cpp.
 template <ContactRadius Radius = ContactRadius::AtFirstTouch, class Form,
           class Real = typename Form::Real>
 inline BodyContact<Real> touch_plane(const Form& form, const BodyAxes<Real>& axes,

@@ -6,33 +6,35 @@
 namespace silt::inline SILT_TARGET {
 
 /// Contact of two super-ellipsoids, or of one with a sphere, in lanes: common normal, one Newton
-/// step a time step where the pair moves little.
+/// step per time step if the pair moves little.
 ///
 ///   overlap = min over unit m of F(m), F(m) = h_i(m) + h_j(-m) - m . d                         (1)
 ///   normal = -m (from j to i), point = (p_i + p_j) / 2, p_i = x_i + grad h_i(m)                (2)
 ///   1/R_eff = 1/R_i + 1/R_j, R = 1/kappa_m clamped (contact_radius)                            (3)
 ///
-/// The overlap's gradient in the place of i is minus the normal, and minus its derivative in the
-/// turning of i is the couple of the unit force along the normal at p_i, which lies with p_j on the
-/// line of the force. So any law
-/// F(overlap) along the normal conserves energy to the order of the integrator, as long as R_eff
-/// does not change with the place: ContactRadius::AtFirstTouch keeps that of the first touch as
-/// long as the contact lasts; ContactRadius::Local takes that of the place, and its change as the
-/// bodies roll on each other is not paid for. The midway point (least f_i + f_j on f_i = f_j;
-/// LIGGGHTS, SuperDEM) is another choice: the same for spheres and to first order in the overlap,
-/// elsewhere it overestimates (1), its normal differs by 0.1 to 0.6 degrees on average at 1 %
-/// overlap, and its overlap times normal is no gradient. find_ray_normal() gives its direction for
-/// bodies of equal exponents.
+/// The gradient of the overlap with respect to the position of i is minus the normal; minus its
+/// derivative with respect to the rotation of i is the couple of the unit force along the normal at
+/// p_i, which is with p_j on the line of the force. Therefore any law F(overlap) along the normal
+/// conserves energy to the order of the integrator, if R_eff is constant:
+/// ContactRadius::AtFirstTouch keeps that of the first touch for the duration of the contact;
+/// ContactRadius::Local uses the local one, whose change during rolling violates energy
+/// conservation. The midway point (minimum of f_i + f_j on f_i = f_j; LIGGGHTS, SuperDEM) is
+/// another choice. It is equal for spheres and to first order in the overlap; otherwise it
+/// overestimates (1), its normal differs by 0.1 to 0.6 degrees on average at 1 % overlap, and its
+/// overlap times normal is not a gradient. find_ray_normal() gives its direction for bodies of
+/// equal exponents.
 ///
-/// Memory: a pair that touched or nearly touched starts from its last direction, which is kept in
-/// the axes of the body with the flatter surface there. A lane leaves Newton's method when F < 0
-/// for any m (apart, proved) or when the step leaves the point within point_tolerance * size and
-/// the normal within turn_tolerance, by an estimate on the safe side. Lanes that do neither in
-/// `most_steps`, and those that are new, go to find_common_normal(), which always ends; `residual`
-/// is what was reached. Faces: rounded, see super_ellipsoid_cap.hpp; so the point of two faces
-/// moves continuously when they tilt through zero, over an angle of about face_rounding^(1/p).
-/// Local: a touching pair follows the minimum it came in by. With an overlap beyond the radius of
-/// curvature (edges, corners) that minimum may end; then the direction jumps to the next one.
+/// Memory: a pair that touched or nearly touched starts from its last direction, which is stored in
+///         the axes of the body with the flatter surface there. A lane ends Newton's method when F
+///         < 0 for any m (proved apart), or when the step changes the point by less than
+///         point_tolerance * size and the normal by less than turn_tolerance, by a conservative
+///         estimate. Lanes that do neither in `most_steps`, and new ones, go to
+///         find_common_normal(), which always ends; `residual` is the error reached. Faces are
+///         rounded, see super_ellipsoid_cap.hpp; the point of two faces therefore moves
+///         continuously when they tilt through zero, over an angle of about face_rounding^(1/p).
+///         The search is local: a touching pair follows its minimum. With an overlap beyond the
+///         radius of curvature (edges, corners) that minimum may end; then the direction jumps to
+///         the next one.
 ///
 /// Source: C. Wellmann et al., Eng. Comput. 25 (2008) 432 (common normal); A. Donev et al., J.
 ///         Comput. Phys. 202 (2005) 765 (overlap potentials).
@@ -41,8 +43,7 @@ namespace silt::inline SILT_TARGET {
 /// Tests:  tests/shape/super_ellipsoid_contact.cpp.
 enum class ContactRadius { AtFirstTouch, Local };
 
-/// What a pair keeps from one step to the next: 5 numbers, 0 at first and for a pair whose bounding
-/// spheres are apart.
+/// Memory of a pair: 5 numbers, 0 at first and for a pair whose bounding spheres are apart.
 template <class Real>
 struct NormalMemory {
   Vec3<Real> direction{Real(0), Real(0), Real(0)};  // m, in the axes of the body it follows
@@ -50,24 +51,25 @@ struct NormalMemory {
   Real R_eff = Real(0);                             // [m] of the first touch; 0 while apart
 };
 
-/// A contact of two super-ellipsoids, one a lane.
+/// Contact of two super-ellipsoids, one per lane.
 template <class Real>
 struct BodyContact {
   Mask<Real> touches;
   Vec3<Real> normal;  // [-] from j to i
   Vec3<Real> point;   // [m] from i's centre
-  Real overlap;       // [m]; minus a lower bound of the gap where the bodies do not touch
+  Real overlap;       // [m]; minus a lower bound of the gap if the bodies do not touch
   Real R_eff;         // [m]
-  Real residual;      // [m] estimate of the error of the point, 0 where apart
-  Mask<Real> solved;  // apart is proved, or the residual is below point_tolerance * size
+  Real residual;      // [m] estimated error of the point, 0 if apart
+  Mask<Real> solved;  // proved apart, or the residual is below point_tolerance * size
 };
 
-/// Errors of the point, over the smaller size, and of the normal [rad] with which Newton's method
-/// in lanes is content.
+/// Accepted errors of the point, over the smaller size, and of the normal [rad] for Newton's method
+/// in lanes.
 inline constexpr double point_tolerance = 1e-7, turn_tolerance = 1e-7;
 
-/// An overlap [-, of the smaller size] that two bodies that were apart a step ago do not have,
-/// unless the minimum found from their last direction, which may be old, is not the least.
+/// Overlap [-, of the smaller size] that two bodies which were apart one step ago cannot have. A
+/// larger one shows that the minimum found from their last direction, which may be old, is not the
+/// smallest.
 inline constexpr double deepest_first_touch = 1e-3;
 
 /// Newton steps in lanes before a lane is taken out.
@@ -103,8 +105,8 @@ SILT_INLINE void keep_direction(const PosedPair<FormI, FormJ>& pair, const Vec3<
   memory.follows = select(where, select(with_i, Real(1), Real(-1)), memory.follows);
 }
 
-/// Contact at the minimum that lies a step (s, t) from where D was taken: to first order in the
-/// step the points, to second order the overlap.
+/// Contact at the minimum a step (s, t) from the point of D: points to first order in the step,
+/// overlap to second order.
 template <class FormI, class FormJ, class Real>
 SILT_INLINE void contact_after(const PosedPair<FormI, FormJ>& pair, const Depth<Real>& D,
                                const Vec3<Real>& m, const NormalStep<Real>& step,
@@ -141,7 +143,7 @@ SILT_INLINE void take_lanes(const Mask<Real>& where, const BodyContact<Real>& fr
   to.solved = to.solved || where;
 }
 
-/// One pair by the methods that do not fail, its result and memory.
+/// One pair by the robust methods: result and memory.
 template <class FormI, class FormJ>
 inline BodyContact<double> solve_hard(const PosedPair<FormI, FormJ>& pair,
                                       NormalMemory<double>& memory) {
@@ -188,10 +190,10 @@ template <class FormI, class FormJ, class Real>
 
 }  // namespace detail
 
-/// A lower bound [m] of the gap, cheaply; what is not greater than 0 proves nothing. By bounding
-/// spheres; then, along the last direction, by the bodies themselves with rough powers, less a
-/// margin of 1e-5 of their size. (Boxes around the bodies along that direction prove less, and a
-/// pack is done only when all of its lanes are.)
+/// Cheap lower bound [m] of the gap; values <= 0 prove nothing. By bounding spheres; then, along
+/// the last direction, by the bodies themselves with rough powers, minus a margin of 1e-5 of their
+/// size. (Boxes around the bodies along that direction prove less, and a pack is done only when all
+/// of its lanes are.)
 template <class FormI, class FormJ, class Real = typename FormI::Real>
 SILT_INLINE Real least_gap(const PosedPair<FormI, FormJ>& pair, const NormalMemory<Real>& memory) {
   const Real reach = pair.i.bound + pair.j.bound;
@@ -205,7 +207,7 @@ SILT_INLINE Real least_gap(const PosedPair<FormI, FormJ>& pair, const NormalMemo
   return max(by_spheres, select(known, along, by_spheres));
 }
 
-/// Proved apart by least_gap(). Lanes that are not need touch().
+/// Proved apart by least_gap(). The other lanes need touch().
 template <class FormI, class FormJ, class Real = typename FormI::Real>
 SILT_INLINE Mask<Real> apart(const PosedPair<FormI, FormJ>& pair,
                              const NormalMemory<Real>& memory) {
@@ -221,7 +223,7 @@ template <class R>
 inline constexpr bool are_balls<SuperForm<R, Exponents::Ball>, SuperForm<R, Exponents::Ball>> =
     true;
 
-/// The contact of two balls, whichever form they have; the direction is kept in the axes of i.
+/// Contact of two balls of any form types; the direction is stored in the axes of i.
 template <class Form, class Real>
 SILT_INLINE BodyContact<Real> touch_balls(const PosedPair<Form, Form>& pair,
                                           NormalMemory<Real>& memory) {
@@ -241,9 +243,9 @@ SILT_INLINE BodyContact<Real> touch_balls(const PosedPair<Form, Form>& pair,
   return out;
 }
 
-/// touch() with a first direction `from` where the memory follows a body. Unless `Whole`, after one
-/// step: lanes that it does not settle are not solved, and their normal is minus the direction to
-/// go on from.
+/// touch() with a first direction `from` if the memory follows a body. Without `Whole` only one
+/// step: lanes that do not converge are not solved, and their normal is minus the direction to
+/// continue from.
 template <ContactRadius Radius, bool Whole, class FormI, class FormJ,
           class Real = typename FormI::Real>
 inline BodyContact<Real> touch_from(const PosedPair<FormI, FormJ>& pair, const Vec3<Real>& from,
@@ -260,7 +262,7 @@ inline BodyContact<Real> touch_from(const PosedPair<FormI, FormJ>& pair, const V
                         Real(1),
                         zero,
                         far};
-  Mask<Real> open = start;  // lanes that Newton's method still works on
+  Mask<Real> open = start;  // lanes that are still iterating
   Vec3<Real> m = select(start, from, out.normal);
   for (int k = 0; k < (Whole ? most_steps : 1) && any(open); ++k) {
     const auto D = depth_along(pair, m);
@@ -290,7 +292,8 @@ inline BodyContact<Real> touch_from(const PosedPair<FormI, FormJ>& pair, const V
   }
   const Mask<Real> wrong = start && out.solved && out.touches && (memory.R_eff == zero) &&
                            (out.overlap > Real(deepest_first_touch) * size);
-  if (any(wrong)) memory.follows = select(wrong, zero, memory.follows);  // anew, from no direction
+  // restarts without a direction
+  if (any(wrong)) memory.follows = select(wrong, zero, memory.follows);
   const Mask<Real> hard = !out.solved || wrong;
   if constexpr (Whole) {
     if (any(hard)) solve_hard_lanes(pair, lane_bits(hard), memory, out);
@@ -320,8 +323,7 @@ SILT_INLINE BodyContact<Real> touch(const PosedPair<SphereForm<Real>, SphereForm
   return detail::touch_balls(pair, memory);
 }
 
-/// The contact of each lane's pair; `memory` is read and written. Lanes that are only padding
-/// should be far apart.
+/// Contact of each lane's pair; `memory` is read and written. Padding lanes should be far apart.
 template <ContactRadius Radius = ContactRadius::AtFirstTouch, class FormI, class FormJ,
           class Real = typename FormI::Real>
 inline BodyContact<Real> touch(const PosedPair<FormI, FormJ>& pair, NormalMemory<Real>& memory) {

@@ -18,8 +18,8 @@ namespace detail {
 /// Triangles with a function e that is linear on each, and the integrals of its powers.
 ///
 /// Exact: over a triangle the integral of e^m is 2 area m!/(m + 2)! h_m(e0, e1, e2), h the sum of
-/// all products of m factors; its slope by e_i is m times the integral of e^(m-1) and the share of
-/// corner i, and that of h_m is h_(m-1) of all three and of e_i once more.
+/// all products of m factors. Its derivative by e_i is m times the integral of e^(m-1) and the
+/// share of corner i, and that of h_m is h_(m-1) of all three and of e_i once more.
 template <int Power>
 class PowerIntegrals {
  public:
@@ -35,7 +35,7 @@ class PowerIntegrals {
     twice_area_[k] = norm(cross(b - a, c - a));
     face_[k] = face;
   }
-  /// Integrals of e^(m-2) and its products with the place.
+  /// Integrals of e^(m-2) and its products with the position.
   struct Spread {
     double weight = 0;
     Vec3d first{0, 0, 0};
@@ -43,7 +43,7 @@ class PowerIntegrals {
     void add(const Spread& more) {
       weight += more.weight, first += more.first, second += more.second;
     }
-    /// Covariance of the place.
+    /// Covariance of the position.
     Symmetric3 covariance() const {
       const double over = 1 / weight;
       Symmetric3 c = over * second;
@@ -51,7 +51,8 @@ class PowerIntegrals {
       return c;
     }
   };
-  /// Gives use(face, integral of e^m, of e^(m-1), of e^(m-1) x, Spread) of each and forgets them.
+  /// Calls use(face, integral of e^m, of e^(m-1), of e^(m-1) x, Spread) for each face and clears
+  /// them.
   template <class Use>
   void end(const Use& use) {
     double h[m + 1][lanes], slope[lanes];
@@ -109,8 +110,7 @@ class PowerIntegrals {
   std::size_t count_ = 0;
 };
 
-/// What the surface of a mesh in a sharp polyhedron amounts to, patch by patch; see
-/// surface_contacts().
+/// Effect of a mesh surface in a sharp polyhedron, patch by patch; see surface_contacts().
 class SurfaceDepth {
  public:
   static constexpr int power = 16;
@@ -118,7 +118,7 @@ class SurfaceDepth {
   SurfaceDepth(const PlacedPolyhedron& body, const TriangleMesh& mesh)
       : body_(body), mesh_(mesh), unit_(body.shape->bounding_radius()), work_(memory()) {}
 
-  /// `way` [m]: what this triangle's surface sees the body moved by.
+  /// `way` [m]: displacement of the body for this triangle.
   void add(std::uint32_t t, const Vec3d& way = {0, 0, 0}) {
     const double over = 1 / unit_;
     auto& [polygon, cell, next, faces, low] = work_;
@@ -163,7 +163,7 @@ class SurfaceDepth {
 
  private:
   static constexpr std::size_t most = 16;
-  static constexpr std::uint32_t few = 16;  // faces that are looked at one by one
+  static constexpr std::uint32_t few = 16;  // faces that are tested one by one
 
   // All in units of the bounding radius, in the body's axes.
   using Sums = PowerIntegrals<power>;
@@ -171,7 +171,7 @@ class SurfaceDepth {
     std::uint32_t number;
     double full;   // integral of the depth to `power`
     double less;   // ... to one less
-    Vec3d place;   // of that, times the place
+    Vec3d place;   // of that, times the position
     Vec3d push;    // of that, times the normal of the nearest face
     Vec3d torque;  // of that, times place x normal
     Sums::Spread spread;
@@ -190,7 +190,7 @@ class SurfaceDepth {
     const auto& face = body_.shape->faces()[f];
     return face.offset / unit_ - dot(face.normal, x);
   }
-  /// Keeps of a polygon where normal . x <= offset.
+  /// Keeps the part of a polygon with normal . x <= offset.
   void cut(std::vector<Vec3d>& polygon, const Vec3d& normal, double offset) {
     auto& [unused, cell, next, faces, inside] = work_;
     inside.clear();
@@ -213,7 +213,7 @@ class SurfaceDepth {
     }
     polygon.swap(next);
   }
-  /// A ball about a polygon.
+  /// A ball around a polygon.
   struct Ball {
     Vec3d centre;
     double radius;
@@ -227,7 +227,7 @@ class SurfaceDepth {
     return {centre, std::sqrt(square)};
   }
 
-  /// Cuts a large triangle down to a square about what the bounding sphere has of its plane.
+  /// Reduces a large triangle to a square around the section of the bounding sphere with its plane.
   bool cut_by_bound() {
     auto& polygon = work_.polygon;
     const Vec3d across = cross(polygon[1] - polygon[0], polygon[2] - polygon[0]);
@@ -274,7 +274,7 @@ class SurfaceDepth {
     }
     return true;
   }
-  /// Those that can be the nearest somewhere on the polygon.
+  /// Faces that can be the nearest somewhere on the polygon.
   void find_nearest_faces() {
     const auto& plane = body_.shape->plane_columns();
     const auto count = static_cast<std::uint32_t>(body_.shape->faces().size());
@@ -314,7 +314,7 @@ class SurfaceDepth {
     SolidContact out;
     out.feature = static_cast<std::uint32_t>(Polyhedron::most_vertices) + p.number;
     const double pushed = norm(p.push);
-    if (!(p.full > 1e-280) || !(pushed > 1e-6 * p.less)) return out;  // none, or squeezed evenly
+    if (!(p.full > 1e-280) || !(pushed > 1e-6 * p.less)) return out;  // none, or uniform pressure
     const double area = body_.shape->core_area() / (6 * unit_ * unit_);
     const double depth = std::pow(p.full / area, 1.0 / power);
     const Vec3d n = (-1 / pushed) * p.push;
@@ -344,23 +344,23 @@ class SurfaceDepth {
 
 }  // namespace detail
 
-/// Contacts of a sharp polyhedron with a mesh: one with each patch of it (TriangleMesh::patches()).
-/// With e(x) the depth of a point of the surface in the body, the distance to the nearest of its
-/// faces' planes, and S a sixth of the body's area,
+/// Contacts of a sharp polyhedron with a mesh: one with each patch (TriangleMesh::patches()). With
+/// e(x) the depth of a point of the surface in the body, the distance to the nearest of its faces'
+/// planes, and S a sixth of the body's area,
 ///
-///   overlap = (1/S integral of e^16 over what of the patch is in the body)^(1/16)            (1)
+///   overlap = (1/S integral of e^16 over the part of the patch in the body)^(1/16)           (1)
 ///
-/// which is the depth, but for 0.24 depth/edge of it, where a cube lies on a plane; 0.46 of it
-/// where an edge does that is 1 % of the size deep, 0.25 where a corner does. As (1) is continuous
-/// in place and turn, and so is its gradient, energy is conserved under any law of it; more surface
-/// in the body, or deeper, is never less overlap. Nothing depends on how the surface is cut into
-/// triangles, on how large they are, or on which side of them is the solid: the body is pushed out
-/// through its nearest faces.
+/// It is the depth, except for 0.24 depth/edge of it, if a cube lies on a plane; 0.46 of the depth
+/// for an edge with a depth of 1 % of the size, 0.25 for such a corner. As (1) and its gradient are
+/// continuous in position and orientation, energy is conserved for any law; more surface in the
+/// body, or a larger depth, never reduces the overlap. The result does not depend on the
+/// triangulation, on the size of triangles, or on which of their sides is solid: the body is pushed
+/// out through its nearest faces.
 ///
-/// Valid:   less than half of the body through the surface. One that is squeezed evenly from all
+/// Valid:   less than half of the body through the surface. A body compressed uniformly from all
 ///          sides by a patch has no direction, and no contact. Up to 16 patches.
-/// Source:  ours; the idea of a depth within the body whose integral is the potential is that of
-///          pressure fields (Elandt, Drumwright, Sherman and Ruina, IROS 2019).
+/// Source:  silt's own; the idea of a depth within the body whose integral is the potential is that
+///          of pressure fields (Elandt, Drumwright, Sherman and Ruina, IROS 2019).
 /// Tests:   tests/shape/surface_depth.cpp
 inline int surface_contacts(const PlacedPolyhedron& body, const TriangleMesh& mesh,
                             std::span<const std::uint32_t> candidates, SolidContact* out,

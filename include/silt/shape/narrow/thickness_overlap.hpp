@@ -3,35 +3,33 @@
 
 #include <silt/shape/narrow/volume_overlap.hpp>
 
-/// Contact of polyhedra by the thickness of their intersection: an overlap that is the depth itself
-/// for faces, grows in proportion to it for edges and corners, and conserves energy under any law.
+/// Contact of polyhedra by the thickness of their intersection: an overlap that equals the depth
+/// for faces, is proportional to it for edges and corners, and conserves energy for any law.
 ///
 /// **The overlap.** Let C be the covariance of the points of the intersection, C = int (p - m)(p -
-/// m)^T dV/V, m its middle. A slab of thickness d has d^2/12 across; the overlap takes this
-/// direction from all by the harmonic mean, which nothing makes jump:
-///   delta = sqrt(12/T),  T = tr C^-1. (1) two faces     d (1 - d^2/L^2 ...) for a slab of
-///   thickness d and width L: the depth; edge, corner  proportional to the depth, as the
-///   intersection grows without change of shape
+/// m)^T dV/V, m its middle. A slab of thickness d has d^2/12 across; the overlap selects this
+/// direction by the harmonic mean, which is continuous:
+///   delta = sqrt(12/T),  T = tr C^-1.                                                        (1)
+///   two faces     d (1 - d^2/L^2 ...) for a slab of thickness d and width L: the depth
+///   edge, corner  proportional to the depth, as the intersection grows without change of shape
 ///                 (a cube's corner on a plane 0.548 d, its edge 0.707 d).
-/// So a contact law has at a face the stiffness that its user gave it, whatever the area, and
-/// corners are softer by no more than the squares of these factors.
+/// At a face a contact law has thus the stiffness given by the user, for any area, and corners are
+/// softer by no more than the squares of these factors.
 ///
-/// **Force.** C depends on the shape of the intersection alone, not on where it is, so that only
-/// the motion of i's surface in j counts, as for the volume. With q(p) = (p - m)^T C^-2 (p - m),
+/// **Force.** C depends only on the shape of the intersection, not on its position; only the motion
+/// of i's surface in j counts, as for the volume. With q(p) = (p - m)^T C^-2 (p - m),
 ///   d delta = delta/(2 T V) int (q - T) (du + dw x p) . n_i dA  over (surface of i) in j, (2)
 /// which gives the two vectors S and G of a wrench (volume_overlap.hpp (1), with the weight of (2)
-/// under the integrals): force on i = -U' S, torque -U' G, for any U(delta). j has the negatives.
-/// The pressure is (q - T), largest where the intersection is thickest: a block that tilts is
-/// turned back, as on an elastic bed, unlike under the volume law, whose pressure is uniform.
+/// under the integrals): force on i = -U' S, torque -U' G, for any U(delta). The opposite acts on
+/// j. The pressure is (q - T), largest where the intersection is thickest: a tilted block is
+/// rotated back, as on an elastic bed. Under the volume law the pressure is uniform.
 ///
 /// Source: silt's own. (2) is the transport theorem for C; the wrench as for Feng et al. 2021.
-/// Valid:  while the intersection is thinner than wide. A needle that stands deep in a body is held
-///         by its width: delta tends to a constant, the force to 0 (a guard on the overlap stops
-///         that). `buried` as for the volume. |grad delta| is 1 for faces, less for edges and
-///         corners.
-/// Accuracy: C is taken in a frame along the normal and the longest side, so that neither thin
-/// slabs
-///         nor the slivers along an edge drown in rounding.
+/// Valid:  while the intersection is thinner than wide. A needle deep in a body is held by its
+///         width: delta tends to a constant, the force to 0 (a guard on the overlap stops this).
+///         `buried` as for the volume. |grad delta| is 1 for faces, less for edges and corners.
+/// Accuracy: C is computed in a frame along the normal and the longest side, which avoids rounding
+/// errors for thin slabs and for slivers along an edge.
 /// Cost:   benchmarks/shape/bench_polyhedra.cpp. No allocation. Memory of a pair: OverlapMemory.
 /// Tests:  tests/shape/volume_overlap.cpp, overlap_laws.cpp
 
@@ -40,7 +38,7 @@ namespace silt::inline SILT_TARGET {
 namespace detail {
 
 /// frame_along(n) with x along the part of `way` across n: an intersection along an edge is some
-/// 1e-6 as wide as it is long, and an inverse of C in axes askew to it would be all rounding.
+/// 1e-6 as wide as it is long, and an inverse of C in oblique axes would be lost in rounding.
 inline RotationMatrix frame_along(const Vec3d& n, const Vec3d& way) {
   const Vec3d x = way - dot(way, n) * n;
   const double length2 = dot(x, x);
@@ -61,11 +59,11 @@ inline Symmetric3 inverse(const Symmetric3& s) {
                             xy, s.xy * s.zx - s.xx * s.yz, zx};
 }
 
-/// A way p -> q around a face with normal n at height h, a lane each: it spans a triangle with a
-/// point of the face's plane, and a tetrahedron with the middle. That point is the foot h n of the
+/// Edge p -> q of a face with normal n at height h, one per lane: it spans a triangle with a point
+/// of the face's plane, and a tetrahedron with the middle. That point is the foot h n of the
 /// middle. In slabs as thin as `thin_slab` it is on the slab's middle plane z = 0, where that meets
-/// the face's plane within `reach`: the foot on a slanted side would be as far above the slab as
-/// the slab is wide, and what is left of its square is rounding.
+/// the face's plane within `reach`: the foot on an inclined side would be as far above the slab as
+/// the slab is wide, and its square would be lost in rounding.
 template <class Real>
 struct WayAround {
   Vec3<Real> p, q, n;
@@ -88,8 +86,8 @@ struct WayAround {
     return dot(n, cross(p, q));
   }
 };
-/// [-] thickness over width. A covariance by feet errs by 1e-16 of the square of the width: by 1e-6
-/// of that of the thickness here.
+/// [-] thickness over width. A covariance by feet errs by 1e-16 of the square of the width: here by
+/// 1e-6 of that of the thickness.
 inline constexpr double thin_slab = 1e-5;
 
 template <class Real>
@@ -105,7 +103,7 @@ Vec3d sum_of_lanes(const Vec3<Real>& v) {
   return {sum_of_lanes(v.x), sum_of_lanes(v.y), sum_of_lanes(v.z)};
 }
 
-/// From the middle of what is left to the corner farthest from it.
+/// From the middle of the intersection to its farthest corner.
 inline Vec3d longest_way(const ClippedBody::Graph& g, const Vec3d& middle) {
   Vec3d longest{0, 0, 0};
   for (std::size_t v = 0; v < g.size; ++v)
@@ -113,7 +111,7 @@ inline Vec3d longest_way(const ClippedBody::Graph& g, const Vec3d& middle) {
   return longest;
 }
 
-/// (1) and (2) of what is left of a body, about its middle and along its normal.
+/// (1) and (2) of the intersection, about its middle and along its normal.
 class ThicknessIntegrals {
  public:
   /// `cut`: volume, vector area and middle of the same graph; `longest`: its longest_way().
@@ -140,8 +138,8 @@ class ThicknessIntegrals {
   using Real = Lanes<DefaultArch>::Real;
   static constexpr std::size_t width = Lanes<DefaultArch>::width;
 
-  /// Calls use(WayAround) for all ways around faces of the cutter, or of both bodies, as many at a
-  /// time as there are lanes. Lanes left over are zero, and add zero.
+  /// Calls use(WayAround) for all edges of faces of the cutter, or of both bodies, as many at a
+  /// time as there are lanes. Unused lanes are zero, and add zero.
   template <bool OfCutterOnly, class Use>
   SILT_INLINE void for_each_way(Use&& use) const {
     alignas(64) double lane[10][width];
@@ -254,7 +252,7 @@ class ThicknessIntegrals {
   double trace_ = 0;    // T
 };
 
-/// Thinner intersections [-, of the body's bounding radius] are none.
+/// Thinner intersections [-, of the body's bounding radius] are ignored.
 inline constexpr double thinnest = 1e-12;
 
 /// `sign` +1 if i's planes cut the body, -1 if i was cut.
@@ -264,8 +262,8 @@ inline VolumeContact thickness_of(const ClippedBody::Graph& g, const PlacedPolyh
   const auto cut = CutIntegrator(g, *body.shape, cutter).result();
   if (!(cut.volume > 0)) return out;
   out.volume = cut.volume, out.area = norm(cut.area);
-  // Volume over area is a thickness as well, half of (1) or more. Of bodies that touch without
-  // overlap, as pieces of one body do, it is rounding, and their C is nothing but rounding.
+  // Volume over area is a thickness as well, half of (1) or more. For bodies that touch without
+  // overlap, as pieces of one body, it is rounding, and so is their C.
   const double least = 0.3 * thinnest * body.shape->bounding_radius();  // [m]
   if (!(cut.volume > least * out.area)) return {};
   const Vec3d longest = longest_way(g, cut.middle);
@@ -277,11 +275,11 @@ inline VolumeContact thickness_of(const ClippedBody::Graph& g, const PlacedPolyh
     out.normal = dot(towards_i, towards_i) > 0 ? normalised(towards_i) : Vec3d{0, 0, 1};
     return out;
   }
-  // Of bodies that share an edge or a corner alone, area and volume are both rounding.
+  // For bodies that share only an edge or a corner, area and volume are both rounding.
   if (!(out.area > least * wide)) return {};
   const ThicknessIntegrals t(g, *body.shape, cutter, cut, longest);
   const double square = dot(t.area, t.area);
-  // Too thin for numbers: corners are known to some 1e-16 of the body.
+  // Below the accuracy of corners, some 1e-16 of the body.
   if (!(t.thickness > thinnest * body.shape->bounding_radius() && square > 0)) return {};
   out.overlap = t.thickness, out.gradient = std::sqrt(square);
   out.normal = body.pose.turn * ((-sign / out.gradient) * t.area);

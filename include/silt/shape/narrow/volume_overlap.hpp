@@ -3,84 +3,81 @@
 
 #include <silt/shape/narrow/cut_pair.hpp>
 
-/// Contact of polyhedra by the volume V of their intersection, from which any contact law that has
-/// a potential becomes one that conserves energy.
+/// Contact of polyhedra by the volume V of their intersection. Any contact law with a potential
+/// becomes an energy-conserving one.
 ///
 /// **Geometry.** Let body i move by dx(p) = du + dw x p relative to j. Only the part of its surface
-/// inside of j sweeps volume, so
+/// inside j sweeps volume, hence
 ///   dV = S . du + G . dw,   S = int n_i dA,   G = int p x n_i dA   over (surface of i) in j. (1)
 /// A potential W(V) hence acts on i with the force -W' S and the torque -W' G about the origin: a
-/// wrench, whose axis has the direction of S, passes through x_c = (S x G)/|S|^2 and carries the
+/// wrench whose axis has the direction of S, passes through x_c = (S x G)/|S|^2, and carries the
 /// couple -W' (S . G)/|S|^2 S. Here G is taken about the middle of the intersection, and x_c is the
-/// point of the axis nearest to it. On j the negatives act, as its own surface has -S and -G.
+/// point of the axis nearest to it. The opposite acts on j, as its own surface has -S and -G.
 ///
 /// **The overlap.** A contact law is a function U(delta) of a length. Let delta = g(V), then
 ///   dU = U'(delta) g'(V) dV : force on i = U'(delta) |grad delta| n, n = -S/|S|,
 ///   |grad delta| = g'(V) |S|,   torque about x_c = that force times the couple (S . G)/|S|^2, (2)
-/// conserve energy for ANY law and any g. So that no force jumps,
+/// conserve energy for ANY law and any g. For continuous forces,
 ///   delta = L (V/L^3)^p,   g' = p delta/V, (3)
-/// L a length of the pair, p the exponent. A law U ~ delta^q then is W ~ V^(p q), and over the
-/// depth d of touching features (face V ~ d, edge ~ d^2, corner ~ d^3) the force grows as
+/// L a length of the pair, p the exponent. A law U ~ delta^q then is W ~ V^(p q). As a function of
+/// the depth d of touching features (face V ~ d, edge ~ d^2, corner ~ d^3) the force is
 ///   face d^(pq - 1),   edge d^(2pq - 1),   corner d^(3pq - 1). (4)
-/// p q > 1 is needed, else the force jumps at the first touch of two faces (p q = 1: Feng's linear
-/// energy, F = k |S|). Default p = 2/3: the linear law (q = 2) has V^(4/3), Hertz (q = 5/2) has
-/// V^(5/3), about the smooth V^(3/2) between them, which p = 3/(2 q) gives exactly (F = k sqrt(V)
-/// |S|). p q = 2 makes a face a linear spring, k (A/L^2)^2, at the price of very soft corners
-/// (d^5). Along the axis, the stiffness is dF/dd = U'' |grad delta|^2 + U' d|grad delta|/dd, for a
-/// face of fixed area (|S| = A, V = A d) hence U'' g'^2 A^2 + U' g'' A^2; at a fixed load it grows
-/// as 1/d where p q < 2: a light face contact is stiff, but its force is bounded by (4).
+/// p q > 1 is needed, otherwise the force jumps at the first touch of two faces (p q = 1: Feng's
+/// linear energy, F = k |S|). With the default p = 2/3 the linear law (q = 2) has V^(4/3), Hertz (q
+/// = 5/2) has V^(5/3). The smooth V^(3/2) is between them; p = 3/(2 q) gives it exactly (F = k
+/// sqrt(V) |S|). p q = 2 makes a face a linear spring, k (A/L^2)^2, with very soft corners (d^5).
+/// Along the axis, the stiffness is dF/dd = U'' |grad delta|^2 + U' d|grad delta|/dd; for a face of
+/// fixed area (|S| = A, V = A d) it is U'' g'^2 A^2 + U' g'' A^2. At a fixed load it grows as 1/d
+/// if p q < 2: a light face contact is stiff, but its force is bounded by (4).
 ///
-/// Why not delta = V/|S|, the mean depth: its force must then include the change of |S|, and as a
+/// The mean depth delta = V/|S| is not used: its force must include the change of |S|, and when a
 /// block tilts through full face contact d|S| jumps, and with it the force (by a factor 2 at the
-/// edge); without that term energy is not conserved. Volume alone has no such jump. What remains is
-/// a kink of V itself where a face of i and one of j lie in one plane and look the same way, as
-/// when aligned blocks slide past full cover: there a side force W' (depth times width) changes
-/// sign.
+/// edge); without that term energy is not conserved. The volume has no such jump. It has a kink
+/// where a face of i and one of j are coplanar with the same outward direction, as when aligned
+/// blocks slide past full cover: there a side force W' (depth times width) changes sign.
 ///
 /// **Rates.** d delta/dt = -|grad delta| (n . v + couple n . w), v, w of i relative to j at the
 /// point: a dashpot on d delta/dt through (2) never adds energy. The mass of the coordinate delta
-/// is m*/|grad delta|^2 (rotation left out).
+/// is m*/|grad delta|^2 (without rotation).
 ///
-/// **What volume cannot see.** The pressure W' is the same all over the contact. A block that rests
-/// on a full face therefore tilts freely up to about 2 d/L (d its depth there), where an edge lifts
-/// and the force moves to the other side; rocking within that range meets no dashpot either.
+/// **Limitation.** The pressure W' is uniform over the contact. A block that rests on a full face
+/// therefore tilts freely up to about 2 d/L (d its depth there), where an edge lifts and the force
+/// moves to the other side; rocking within that range is not damped either.
 ///
 /// Source: Y. T. Feng, K. Han, D. R. J. Owen, Comput. Methods Appl. Mech. Eng. 373 (2021) 113454
-/// (the
-///         energy-conserving volume model; S and x_c); (3), (4) and the couple are silt's.
-/// Valid:  convex bodies of up to 4000 faces; concave ones as sums over parts. If i is wholly
-///         inside of j then S = 0: no force; `gradient` is 0 and `buried` is set, a guard must
-///         stop. Dilated bodies touch by their cores here; their radius is for
+///         (the energy-conserving volume model; S and x_c); (3), (4) and the couple are silt's.
+/// Valid:  convex bodies of up to 4000 faces; concave ones as sums over parts. If i is completely
+///         inside j then S = 0: no force; `gradient` is 0 and `buried` is set, a guard must stop.
+///         Dilated bodies touch by their cores here; for their radius see
 ///         narrow/margin_contact.hpp.
 /// Cost:   no allocation; benchmarks/shape/bench_polyhedra.cpp.
 /// Tests:  tests/shape/volume_overlap.cpp (Monte Carlo, finite differences of V, energy of
-/// collisions,
-///         continuity of face contacts, a cube at rest)
+///         collisions, continuity of face contacts, a cube at rest)
 
 namespace silt::inline SILT_TARGET {
 
-/// The intersection of i with j, or with a half-space.
+/// Intersection of i with j, or with a half-space.
 struct VolumeOverlap {
   double volume = 0;     // [m3], 0: apart
-  Vec3d area{0, 0, 0};   // [m2] S of (1): vector area of i's surface inside of j
+  Vec3d area{0, 0, 0};   // [m2] S of (1): vector area of i's surface inside j
   Vec3d point{0, 0, 0};  // [m] x_c on the axis of the wrench
   double couple = 0;     // [m] S . G/|S|^2: pitch of the wrench
 };
 
-/// How volume becomes overlap, (3).
+/// Conversion of volume to overlap, (3).
 struct VolumeScale {
   double length;              // [m] L
   double exponent = 2.0 / 3;  // [-] p
 };
 
-/// L for a pair: the smaller cube root of the two volumes [m3], so that faces of equal cubes have
-/// |S| = L^2. Walls count as infinitely large.
+/// L for a pair: the smaller cube root of the two volumes [m3]; faces of equal cubes then have |S|
+/// = L^2. Walls count as infinitely large.
 inline double volume_scale_length(double volume_i, double volume_j) {
   return std::cbrt(std::min(volume_i, volume_j));
 }
 
-/// What a contact law needs. Force on i: F = U'(overlap) gradient normal at `point`; torque on i
-/// about `point`: couple F; on j the negatives.
+/// Input of a contact law. Force on i: F = U'(overlap) gradient normal at `point`; torque on i
+/// about `point`: couple F; the opposite on j.
 struct VolumeContact {
   Vec3d normal{0, 0, 0};  // [-] unit, from j to i
   double overlap = 0;     // [m] delta; 0: not touching
@@ -89,12 +86,12 @@ struct VolumeContact {
   double couple = 0;      // [m]
   double area = 0;        // [m2] |S|
   double volume = 0;      // [m3]
-  bool buried = false;    // one body wholly inside of the other: no direction, no force
+  bool buried = false;    // one body completely inside the other: no direction, no force
   Symmetric3 spread;      // [m2] covariance of the intersection across the normal; by thickness
 };
 
-/// What a pair keeps from step to step (12 bytes): a direction from j to i, along which the bodies
-/// were apart or pressed, and whether they touched. Speed alone depends on it. Zero to begin with.
+/// Memory of a pair (12 bytes): a direction from j to i, along which the bodies were apart or
+/// pressed, and whether they touched. It affects only the speed. Initially zero.
 struct OverlapMemory {
   float x = 0, y = 0, z = 0;
 
@@ -110,15 +107,14 @@ struct OverlapMemory {
 
 namespace detail {
 
-/// Volume, S, G (about `middle`) of what is left, S and G of the cutter's faces.
+/// Volume, S, G (about `middle`) of the intersection, S and G of the cutter's faces.
 struct CutIntegrals {
   double volume = 0;
   Vec3d area{0, 0, 0}, moment{0, 0, 0}, middle{0, 0, 0};
 };
 
-/// From directed edges alone: each edge p -> q of a face with normal n spans, with the foot of the
-/// origin on its plane, the part w = n . (p x q)/2 of its area, so that
-///   V = sum h w/3 (h: height of the plane),  S = sum w n,  G = sum w (p + q)/3 x n.
+/// Uses only directed edges: each edge p -> q of a face with normal n spans, with the foot of the
+/// origin on its plane, the part w = n . (p x q)/2 of its area. Then
 class CutIntegrator {
  public:
   CutIntegrator(const ClippedBody::Graph& g, const Polyhedron& body, const Cutter& cutter)
@@ -130,7 +126,7 @@ class CutIntegrator {
       const Vec3d p = g.at(v) - out_.middle;
       for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t other = g.neighbour[v][k];
-        if (other < v) continue;  // both ways at once: who comes back goes on to neighbour k + 1
+        if (other < v) continue;  // both directions at once
         const Vec3d q = g.at(other) - out_.middle, pq = cross(p, q);
         add(g.face[v][k], pq, p + q);
         add(g.face[v][k == 2 ? 0 : k + 1], -pq, p + q);
@@ -143,7 +139,7 @@ class CutIntegrator {
   const CutIntegrals& result() const { return out_; }
 
  private:
-  /// Both kinds of faces in one stream: branches could not be foreseen.
+  /// Both kinds of faces in one stream: branches would be unpredictable.
   SILT_INLINE void add(std::size_t f, const Vec3d& pq, const Vec3d& sum) {
     const bool own = f < first_cut_face;
     const std::size_t at = own ? f : f - first_cut_face;
@@ -162,7 +158,7 @@ class CutIntegrator {
   CutIntegrals out_;
 };
 
-/// To space, as i sees it: `sign` +1 if i's planes cut j, -1 if i was cut.
+/// To space, for i: `sign` +1 if i's planes cut j, -1 if i was cut.
 inline VolumeOverlap finish(const CutIntegrals& cut, const RigidPose& body, double sign) {
   VolumeOverlap out;
   if (!(cut.volume > 0)) return out;
@@ -177,8 +173,8 @@ inline VolumeOverlap finish(const CutIntegrals& cut, const RigidPose& body, doub
 
 }  // namespace detail
 
-/// Cores of i and j. `axis`: about from j to i, not zero; it chooses the order of the cuts, for
-/// speed.
+/// Cores of i and j. `axis`: roughly from j to i, not zero; it determines the order of the cuts,
+/// for speed.
 inline VolumeOverlap volume_overlap(const PlacedPolyhedron& i, const PlacedPolyhedron& j,
                                     const Vec3d& axis) {
   VolumeOverlap out;
@@ -203,9 +199,8 @@ inline VolumeOverlap volume_overlap(const PlacedPolyhedron& i, const Vec3d& at,
 
 /// The core of i with the prism behind a triangle of a mesh wall (counter-clockwise seen from the
 /// free side): behind its plane, between the planes through its sides. Prisms of a flat wall fill
-/// what is behind it, however it is cut into triangles; the sum is then that of the half-space. At
-/// an edge between flat parts it errs by the volume behind both or neither, of second order in the
-/// depth.
+/// the space behind it for any triangulation; the sum is then that of the half-space. At an edge
+/// between flat parts the error is the volume behind both or neither, of second order in the depth.
 inline VolumeOverlap volume_overlap(const PlacedPolyhedron& i,
                                     const std::array<Vec3d, 3>& triangle) {
   const auto& [a, b, c] = triangle;
@@ -244,7 +239,7 @@ inline VolumeContact contact_of(const VolumeOverlap& o, const VolumeScale& scale
 }
 
 namespace detail {
-/// overlap_along(axis) is asked unless the remembered axis shows the bodies apart; a search for a
+/// overlap_along(axis) is called unless the remembered axis shows the bodies apart; a search for a
 /// new axis (GJK) is rare.
 template <class Overlap>
 VolumeContact remembered_contact(const PlacedPolyhedron& i, const PlacedPolyhedron& j,
@@ -268,7 +263,7 @@ VolumeContact remembered_contact(const PlacedPolyhedron& i, const PlacedPolyhedr
 }
 }  // namespace detail
 
-/// The contact of two bodies. Those whose bounding spheres are apart are the caller's to leave out.
+/// Contact of two bodies. The caller excludes pairs with separate bounding spheres.
 inline VolumeContact volume_contact(const PlacedPolyhedron& i, const PlacedPolyhedron& j,
                                     const VolumeScale& scale, OverlapMemory& memory) {
   return detail::remembered_contact(i, j, memory, [&](const Vec3d& axis) {

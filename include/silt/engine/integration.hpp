@@ -1,0 +1,77 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// Parts of Engine: driven walls, particles and a box that deforms move on by a step.
+
+#include <silt/engine/advance/box_flow.hpp>
+#include <silt/engine/engine.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+template <class Composition>
+inline void Engine<Composition>::push_walls(const Vec3d& gravity, double kick_time,
+                                            double time_step, bool first_kick) {
+  for (std::size_t w = 0; w < walls.size(); ++w)
+    if (walls[w].is_driven()) {
+      if (is_servo(walls[w].drive))
+        look_at_stiffness(walls[w], [&](const LinearContact& of_liquid) {
+          if constexpr (of_ranks)
+            return LinearContact{ranks.of_servos[w][0], ranks.of_servos[w][1]};
+          else
+            return linear_of_servo(*this, w, of_liquid);
+        });
+      push_wall(walls[w], gravity, kick_time, time_step, first_kick);
+    }
+}
+
+template <class Composition>
+inline void Engine<Composition>::integrate(Advance how, const Vec3d& gravity, double kick_time,
+                                           double time_step, bool first_kick) {
+  if constexpr (of_ranks) forget_loads_of_ghosts();
+  const auto pace =
+      mover.integrate({particles, sums_.data(), lists.upkeep.per_inner2.data(), *team_}, how,
+                      {gravity, kick_time, time_step, first_kick});
+  largest_speed = pace.largest_speed, largest_share = pace.largest_share, finite = pace.finite;
+  if (how == Advance::KickAndDrift && !deforms<Domain> && !of_ranks)
+    lists.upkeep.used += largest_share * time_step;
+}
+
+template <class Composition>
+inline void Engine<Composition>::drift(double time_step) {
+  // Particles that were added since the lists were made have no reach: a search comes next.
+  const auto& reach = lists.upkeep.per_inner2;
+  const double* const per_inner2 = reach.size() < particles.size() ? nullptr : reach.data();
+  largest_share =
+      mover.drift({particles, sums_.data(), per_inner2, *team_}, time_step, largest_share);
+  if constexpr (of_ranks) agree("a drift");
+  if constexpr (!deforms<Domain>) lists.upkeep.used += largest_share * time_step;
+}
+
+template <class Composition>
+inline void Engine<Composition>::kick_box(Domain& box, double time_step, bool first,
+                                          bool observed) {
+  box_kick_ = box.choose_rates({virial, largest_overlap}, time_step, first);
+  add_flow(particles, box_kick_.all, box.centre(), *team_);
+  if (!observed) box_kick_ = {};
+}
+
+template <class Composition>
+inline void Engine<Composition>::record_flow(const Domain& box) {
+  for (std::size_t k = 0; k < particles.size(); ++k)
+    if (!particles.is_parked(k))
+      mover.synchronous[k].velocity -=
+          box_kick_.too_much * (particles.position[k].centre() - box.centre());
+}
+
+template <class Composition>
+inline void Engine<Composition>::move_box(Domain& box, double time_step) {
+  const auto& reach = lists.upkeep.per_inner2;
+  const auto pace = pace_in_flow(
+      particles, box, reach.size() < particles.size() ? nullptr : reach.data(), time_step, *team_);
+  box.set_kinetic(pace.kinetic, pace.mass);
+  const double s = 1 - time_step * box.squeeze_rate();
+  lists.flow.follow(box.advance(time_step), s);
+  lists.upkeep.used += pace.largest_share * time_step / lists.flow.pruned;
+}
+
+}  // namespace silt::detail

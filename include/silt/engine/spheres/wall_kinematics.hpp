@@ -1,0 +1,71 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <silt/boundary/surface_point.hpp>
+#include <silt/boundary/wall.hpp>
+#include <silt/core/lanes.hpp>
+#include <silt/core/position_row.hpp>
+#include <silt/core/vec3.hpp>
+#include <silt/engine/contact/kinematics.hpp>
+#include <silt/engine/contact/step_times.hpp>
+#include <silt/engine/state/rows.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// How a wall moves where a sphere touches it.
+struct WallVelocity {
+  Vec3d velocity{0, 0, 0}, spin{0, 0, 0};  // [m/s], [rad/s]
+};
+
+/// The mean velocity over the last step, like the spheres' own, of the point of the wall that was
+/// under the contact half a step ago: of a sphere that slides it is not the present one. `change`
+/// of the normal over the step; `of_sphere` [m/s].
+SILT_INLINE WallVelocity velocity_of_wall(const Wall& wall, const Vec3d& on_wall,
+                                          const SurfacePoint& point, const Vec3d& change,
+                                          const Vec3d& of_sphere, const StepTimes& times) {
+  WallVelocity w;
+  if (!wall.moves()) return w;
+  w.velocity = mean_velocity(wall, on_wall, times.step);
+  w.spin = mean_angular_velocity(wall.last_pose, wall.pose, times.step);
+  w.velocity += cross(w.spin, times.lag * times.step * (w.velocity - of_sphere) +
+                                  times.lag * point.distance * change);
+  return w;
+}
+
+template <class Scalar>
+SILT_INLINE Vec3<Scalar> as_scalars(const Vec3d& v) {
+  return {static_cast<Scalar>(v.x), static_cast<Scalar>(v.y), static_cast<Scalar>(v.z)};
+}
+
+/// Kinematics of a sphere's contact with a wall; `inverse_mass` [1/kg] of both.
+template <class Scalar, bool Rotates>
+SILT_INLINE Kinematics<Scalar> kinematics_at_wall(const SurfacePoint& point, const Vec3d& change,
+                                                  const PositionRow& sphere,
+                                                  const MotionRow<Rotates>& motion,
+                                                  const WallVelocity& of_wall,
+                                                  double inverse_mass) {
+  const auto scalar = [](double x) { return static_cast<Scalar>(x); };
+  Kinematics<Scalar> kin;
+  kin.normal = as_scalars<Scalar>(point.normal), kin.change = as_scalars<Scalar>(change);
+  kin.velocity = as_scalars<Scalar>(motion.velocity() - of_wall.velocity);
+  kin.overlap = scalar(sphere.r - point.distance);
+  kin.R_eff = scalar(sphere.r);
+  kin.m_eff = scalar(1 / inverse_mass), kin.inverse_m_eff = scalar(inverse_mass);
+  if constexpr (Rotates) {
+    kin.spin = as_scalars<Scalar>(motion.spin_velocity());
+    kin.arm = scalar(point.distance * motion.inv_r);
+    kin.twist = scalar(dot(of_wall.spin, point.normal));
+  }
+  return kin;
+}
+
+/// What rolling models see of it; `inertia` [-] over m r^2.
+template <class Scalar, class Motion>
+SILT_INLINE RollingKinematics<Scalar> rolling_at_wall(const PositionRow& sphere,
+                                                      const Motion& motion,
+                                                      const WallVelocity& of_wall, double inertia) {
+  return {as_scalars<Scalar>(motion.spin_velocity() * motion.inv_r - of_wall.spin),
+          static_cast<Scalar>(inertia * sphere.r * sphere.r / motion.inv_m)};
+}
+
+}  // namespace silt::detail

@@ -1,0 +1,59 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// Parts of BondStage: how fast bonds make particles swing, and the step that they are stable in.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include <silt/engine/stages/bond_stage.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+template <class Model, class Domain, class Arch>
+template <class Engine>
+auto BondStage<Model, Domain, Arch>::fastest(const Engine& e) -> Rate {
+  follow(e);
+  std::vector<BondStiffness> all(e.particles.size(), BondStiffness{0, 0});
+  const auto include = [&](std::size_t at, const BondStiffness& s, double arm) {
+    all[at].shift += s.shift, all[at].turn += s.turn + s.shift * arm * arm;
+    all[at].shift_damping += s.shift_damping;
+    all[at].turn_damping += s.turn_damping + s.shift_damping * arm * arm;
+  };
+  const auto include_bond = [&](const Bond& b, std::size_t i, std::size_t j) {
+    const auto s = model.stiffest(b.numbers);
+    const double length = norm(b.rest.apart);
+    if (i < all.size()) include(i, s, b.rest.share * length);
+    if (j < all.size()) include(j, s, (1 - b.rest.share) * length);
+  };
+  if (Engine::of_ranks && fresh)
+    list.for_each_in_order([&](const Bond& b) {
+      const std::size_t i = e.find(b.i), j = e.find(b.j);
+      include_bond(list.as_kept(b), i < e.owners() ? i : all.size(),
+                   j < e.owners() ? j : all.size());
+    });
+  else
+    list.for_each(
+        [&](std::size_t k) { include_bond(list.bond(k), list.first()[k], list.second()[k]); });
+  for (const auto& b : at_walls.all)
+    include(e.find(b.i), model.stiffest(b.numbers), b.rest.share * norm(b.rest.apart));
+  Rate most;
+  for (std::size_t k = 0; k < e.owners(); ++k) {
+    const auto p = e.owner(k);
+    if (!p.is_there() || p.inverse_mass() == 0) continue;
+    const double m = p.mass(),
+                 I = Engine::ShapeType::inertia_factor() * m * p.radius() * p.radius();
+    for (const auto& [w2, g] : {std::pair{2 * all[k].shift / m, 2 * all[k].shift_damping / m},
+                                std::pair{2 * all[k].turn / I, 2 * all[k].turn_damping / I}}) {
+      most.rate = std::max(most.rate, std::sqrt(w2));
+      const double step = 1.6 / (g + std::sqrt(g * g + 4 * w2));
+      if (step < most.stable_step) most.stable_step = step, most.particle = p.id();
+    }
+  }
+  return most;
+}
+
+}  // namespace silt::detail

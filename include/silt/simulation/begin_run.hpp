@@ -1,0 +1,83 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// Parts of Simulation: what a run checks and prepares before its first step.
+
+#include <silt/simulation.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+template <class... Policies>
+void Simulation<Policies...>::prepare() {
+  if constexpr (has_ranks) {
+    this->share_edits("the start of a run", [this] { check_start(), modules_.check(*this); });
+    share_scene();
+    if constexpr (has_bonds) this->share_bonds();
+    engine_.ranks.together("the time step of a run", [this] { begin_run(); });
+  } else {
+    check_start();
+    modules_.check(*this);
+    begin_run();
+  }
+}
+
+/// Checks the settings of a run and prepares fluid and threads.
+template <class... Policies>
+void Simulation<Policies...>::check_start() {
+  require_positive("Guard.max_overlap", guard.max_overlap, "-");
+  require_positive("Guard.max_time_step", guard.max_time_step, "-");
+  require_positive("Guard.max_travel", guard.max_travel, "-");
+  require_positive("Guard.max_rate", guard.max_rate, "-");
+  // A mesh is solid from both sides: an overlap beyond the radius is not seen as one.
+  for (const Wall& wall : engine_.walls)
+    for (const auto& surface : wall.surfaces) {
+      const double overlap = overlap_limits_.most(wall.material, guard.max_overlap);
+      require(
+          guard.through_meshes || overlap + guard.max_travel < 1 || !detail::is_mesh(surface),
+          overlap > guard.max_overlap ? "the limit of set_max_overlap = " : "Guard.max_overlap = ",
+          overlap, " and Guard.max_travel = ", guard.max_travel,
+          " [-] must be less than 1 together where there are meshes: a "
+          "particle could come out behind one unseen (guard.through_meshes = true lets them)");
+    }
+  this->check_inlets();
+  if constexpr (detail::deforms<Domain>) {
+    detail::refuse_tension<typename ContactsType::Law>(domain_.deformation());
+    require(!engine_.particles.some_fixed,
+            "DeformingBox: a fixed particle cannot follow it; leave Particle.fixed out");
+    require(!has_ledger || dot(gravity, gravity) == 0,
+            "EnergyLedger in a DeformingBox needs Simulation::gravity = 0: what returns on the "
+            "other side has fallen without a floor");
+  }
+  require(is_finite(gravity), "Simulation::gravity = ", gravity, " [m/s2] must be finite");
+  if constexpr (has_ledger) {
+    double change = 0;
+    for (std::size_t k = 0; k < rows() && !first_kick_; ++k)
+      if (is_present(k) && std::isfinite(mass(k)))
+        change -= mass(k) * dot(gravity - gravity_booked_, position(k));
+    book_.change_gravity(change);
+    gravity_booked_ = gravity;
+  }
+  detail::check_inertia<ShapeType>();
+  if (step_ > 0 || kicked_) detail::check_given(engine_, gravity, step_, time_);
+  prepare_fluid();
+  engine_.set_threads(threads);
+}
+
+/// Prepares what follows from the scene, on many ranks from the scene of all: coefficients, time
+/// step.
+template <class... Policies>
+void Simulation<Policies...>::begin_run() {
+  this->check_pairs();
+  engine_.set_coefficients(contacts_);
+  engine_.set_flux_coefficients(modules_, contacts_);
+  if constexpr (has_breakage) this->prepare_breakage();
+  modules_.look_near(engine_, domain_, time_, true, true);
+  if (dt_ == 0 || (time_step && *time_step != dt_) || (scene_changed_ && is_step_too_long()) ||
+      (laws_changed_ && is_longer_than_own()))
+    change_step(chosen_time_step());
+  if (scene_changed_) checked_speed_ = 0;
+  scene_changed_ = laws_changed_ = false;
+  if (guard.domain) detail::check_inside(engine_, *guard.domain, step_, time_);
+}
+
+}  // namespace silt

@@ -1,0 +1,178 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// Parts of BreakAccess: particles that are due to break are replaced by fragments, between steps.
+
+#include <algorithm>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <silt/engine/population/arrivals.hpp>
+#include <silt/simulation/break_access.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+template <class Sim>
+bool BreakAccess<Sim>::break_due() {
+  auto& s = sim();
+  s.breaks_.events.clear();
+  auto& stage = s.breaks_;
+  const bool follows = follows_sizes();
+  bool looks = follows && (!stage.sizes.known() || s.step_ % LivingSizes::look_every == 0);
+  if (follows) stage.sizes.safeguards = s.engine_.safeguards;
+  if constexpr (Sim::has_ranks) return break_due_of_ranks(), looks;
+  if (stage.due.empty()) return looks;
+  std::vector<Parent> parents;
+  typename Sim::ParticlesType fragments;
+  for (const DueBreak& one : std::exchange(stage.due, {})) {
+    const std::size_t k = s.engine_.find(one.id);
+    if (k < s.rows())
+      break_one(one, s.engine_.owner(k), s.engine_.volume_of(k), own_fields(k), k, parents,
+                fragments);
+  }
+  const std::size_t from = s.rows();
+  if constexpr (Sim::has_ledger)
+    if (s.first_kick_) s.book_.was_there(energy_of_all());
+  take_place(parents, fragments);
+  if constexpr (Sim::has_ledger)
+    if (s.first_kick_) s.book_.was_there(-energy_of_all());
+  // How thin a cell is its mass does not tell.
+  if (follows && Sim::of_bodies) looks = true;
+  for (std::size_t k = from; follows && !looks && k < s.rows(); ++k)
+    looks = stage.sizes.is_less(s.engine_, k);
+  return looks;
+}
+
+template <class Sim>
+void BreakAccess<Sim>::break_due_of_ranks() {
+  auto& s = sim();
+  auto& stage = s.breaks_;
+  auto& ranks = s.engine_.ranks;
+  stage.some_born = false;
+  if (!std::exchange(stage.some_due, false) && !std::exchange(s.engine_.breaks_due, false)) return;
+  s.engine_.breaks_due = false;
+  std::vector<BreakingParticle> own;
+  for (const DueBreak& one : std::exchange(stage.due, {}))
+    if (const std::size_t k = s.engine_.find(one.id); k < s.rows()) {
+      const auto p = s.engine_.owner(k);
+      const auto& f = own_fields(k);
+      own.push_back({one, p.centre(), p.velocity(), p.angular_velocity(), p.radius(), p.mass(),
+                     s.engine_.volume_of(k), f.strength, f.generation, p.material()});
+    }
+  ranks.meet("particles that break");
+  auto all = gather(ranks.comm(), std::span<const BreakingParticle>(own)).values;
+  if (all.empty()) return;
+  std::sort(all.begin(), all.end(),
+            [](const auto& a, const auto& b) { return a.due.id < b.due.id; });
+  // Ghosts where they are now, for what the ledger misses of contacts that end.
+  if constexpr (Sim::has_ledger) s.engine_.refresh_ghosts_now();
+  ranks.together("particles that break", [&] {
+    std::vector<Parent> parents;
+    typename Sim::ParticlesType fragments;
+    for (const BreakingParticle& one : all) {
+      const std::size_t k = s.engine_.find(one.due.id);
+      break_one(one.due, one, one.volume, one, k < s.rows() ? k : nowhere, parents, fragments);
+    }
+    std::vector<ParticleId> gone;
+    for (const BreakingParticle& one : all) gone.push_back(one.due.id);
+    if constexpr (Sim::has_ledger)
+      if (s.first_kick_) s.book_.was_there(energy_of_all());
+    take_place(parents, fragments, gone);
+    if constexpr (Sim::has_ledger)
+      if (s.first_kick_) s.book_.was_there(-energy_of_all());
+  });
+  ranks.discount(all.size());
+  s.engine_.lists.forget();
+  stage.some_born = true;
+}
+
+template <class Sim>
+template <class Owner, class Fields, class Particles>
+void BreakAccess<Sim>::break_one(const DueBreak& due, const Owner& p, double volume,
+                                 const Fields& own, std::size_t k, std::vector<Parent>& parents,
+                                 Particles& all) {
+  auto& s = sim();
+  auto& stage = s.breaks_;
+  const auto& policy = s.breakage();
+  const double density = p.mass() / volume;
+  const Broken broken{equal_volume_diameter(volume), p.mass(), own.strength, due.load, due.speed};
+  Random random = stage.random_of(policy, due.id, stage.of_fragments);
+  FragmentSizes sizes =
+      fragment_sizes(policy.sizes, broken, density,
+                     {policy.rules.dust_below, policy.rules.most_fragments}, random);
+  const std::size_t before = all.size();
+  if constexpr (Sim::of_bodies)
+    add_cells(p, sizes, density, random, all);
+  else
+    add_spheres(p, sizes, density, random, all);
+  BreakEvent event{.id = due.id,
+                   .material = p.material(),
+                   .time = s.time_,
+                   .position = p.centre(),
+                   .velocity = p.velocity(),
+                   .diameter = broken.diameter,
+                   .mass = broken.mass,
+                   .strength = own.strength,
+                   .load = due.load,
+                   .speed = due.speed,
+                   .cause = due.cause,
+                   .first = s.next_.particle + before,
+                   .fragments = sizes.masses.size(),
+                   .generation = static_cast<std::size_t>(own.generation),
+                   .dust = sizes.dust};
+  if (event.fragments == 0) event.first = no_particle;
+  stage.template count<Sim::ContactsType::several_materials>(due.cause, p.material());
+  stage.dust.template add<Sim::ContactsType::several_materials>(
+      p.material(),
+      [&](SizeTable& table) { add_dust(table, policy.sizes, broken, sizes, density, s.time_); });
+  if (Sim::has_ranks && k == nowhere) return parents.push_back({nowhere, sizes.masses.size(), 0});
+  if constexpr (Sim::has_ledger) {
+    double potential = s.potential(k);  // [J] of the dust, where the fragments leave it
+    for (std::size_t n = 0; n < sizes.masses.size(); ++n)
+      potential += sizes.masses[n] * dot(s.gravity_booked_, all.all()[before + n].position);
+    book(k, sizes.dust / broken.mass, potential);
+  }
+  // [s] in which all of the particle would have arrived
+  const double passes = due.speed > 0 ? broken.diameter / due.speed : 0;
+  parents.push_back({k, sizes.masses.size(), s.time_ + passes});
+  stage.events.push_back(event);
+}
+
+template <class Sim>
+template <class Particles>
+void BreakAccess<Sim>::take_place(const std::vector<Parent>& parents, const Particles& fragments,
+                                  std::span<const ParticleId> gone) {
+  auto& s = sim();
+  auto& e = s.engine_;
+  const std::size_t from = s.rows();
+  const ParticleId first = s.next_.particle;
+  std::vector<double> rests_until;
+  std::vector<std::size_t> places;
+  std::vector<char> own;  // fragments, on many ranks
+  for (const Parent& p : parents) {
+    rests_until.insert(rests_until.end(), p.fragments, p.rests_until);
+    if constexpr (Sim::has_ranks) own.insert(own.end(), p.fragments, p.place != nowhere);
+    if (p.place != nowhere) places.push_back(p.place);
+  }
+  const auto rows = rows_of(places);
+  if constexpr (Sim::has_ledger) book_contacts(rows, gone);
+  if constexpr (Sim::has_bonds) s.bonds_.end_of(e, s.domain_, rows, s.first_kick_ ? 0 : s.dt_);
+  s.breaks_.newborn_from = Sim::of_bodies ? s.next_.part : first;
+  std::vector<std::size_t> forms;
+  if constexpr (Sim::of_bodies) forms = take_in_cells(e.mover, fragments.forms());
+  s.join(std::span<const typename Particles::Particle>(fragments.all()), forms,
+         std::span<const char>(own));
+  if constexpr (Sim::has_ledger)  // what the fragments have is not lost
+    for (std::size_t n = from; n < s.rows(); ++n) s.book_.broke(-s.kinetic(n).sum());
+  std::size_t k = from;
+  for (const Parent& p : parents)
+    for (std::size_t n = 0; n < p.fragments && p.place != nowhere; ++n, ++k) {
+      copy_row(e.modules(), p.place, k);
+      ++e.modules().template of<typename Sim::Composition::Breaking>()[k].generation;
+    }
+  s.breaks_.start(e, s.breakage(), from, [&](ParticleId id) { return rests_until[id - first]; });
+  e.remove_all(places, s.domain_, s.dt_);
+}
+
+}  // namespace silt::detail

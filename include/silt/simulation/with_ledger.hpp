@@ -1,0 +1,75 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// Parts of Simulation: the energy of its particles, and the books of an EnergyLedger.
+
+#include <silt/simulation.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+template <class... Policies>
+EnergyBalance Simulation<Policies...>::balance() const {
+  static_assert(has_ledger,
+                "energy() reads the books of a policy that is missing: give the simulation "
+                "silt::EnergyLedger{} among its policies");
+  require(step_ > 0 || kicked_,
+          "Simulation::energy: run() first, if only for 0 s: the forces at the "
+          "start are not known yet");
+  double translation = 0, rotation = 0, potentials = 0, walls = 0;
+  for (const Wall& wall : engine_.walls) walls += detail::energy_of(wall, gravity_booked_).sum();
+  for (std::size_t k = 0; k < rows(); ++k) {
+    if (!is_present(k) || !std::isfinite(mass(k))) continue;
+    const auto part = kinetic(k);
+    translation += part.translation, rotation += part.rotation, potentials += potential(k);
+  }
+  EnergyBalance balance{};
+  if constexpr (has_ledger)
+    balance = book_.balance(translation, rotation, potentials, walls, this->rank() == 0);
+  if constexpr (has_ledger && has_bonds) balance.bonds = this->own_bond_energy();
+  if constexpr (has_ledger && has_breakage) balance.parting = breaks_.parted;
+  if constexpr (has_ledger && detail::deforms<Domain>) balance.box = domain_.work();
+  if constexpr (has_ranks) {
+    auto numbers = std::bit_cast<std::array<double, sizeof balance / sizeof(double)>>(balance);
+    this->sum_over_ranks(std::span<double>(numbers));
+    balance = std::bit_cast<EnergyBalance>(numbers);
+  }
+  return balance;
+}
+
+template <class... Policies>
+typename Simulation<Policies...>::Kinetic Simulation<Policies...>::kinetic(std::size_t k) const {
+  return {this->translational_energy(k), this->rotational_energy(k)};
+}
+
+template <class... Policies>
+void Simulation<Policies...>::book_step([[maybe_unused]] const detail::StepTimes& times,
+                                        [[maybe_unused]] double bond_power) {
+  if constexpr (has_ledger) {
+    double start = 0;
+    if (first_kick_) {
+      for (std::size_t k = 0; k < rows(); ++k)
+        if (is_present(k) && std::isfinite(mass(k))) start += kinetic(k).sum() + potential(k);
+      if constexpr (has_bonds) start += this->own_bond_energy();
+    }
+    if constexpr (has_bonds) book_.bonds_damped(bond_power, times.worked);
+    engine_.contact_energy.worked(0.5 * times.worked);
+    book_.book(engine_.contact_energy, engine_.walls, dt_,
+               engine_.power_on_fixed() - detail::power_of_belts(engine_.walls),
+               first_kick_ ? &start : nullptr, times.ask,
+               [this](std::span<double> numbers) { this->sum_over_ranks(numbers); });
+  }
+}
+
+template <class... Policies>
+void Simulation<Policies...>::book_leaving([[maybe_unused]] std::size_t k) {
+  if constexpr (has_breakage) this->note_leaving(k);
+  if constexpr (has_ledger) {
+    if (first_kick_ || !std::isfinite(mass(k))) return;
+    // Unless it is observed, rows hold the velocity of half a step ago; it falls freely.
+    const double ago = !kicked_ && Integrator::first_kick == 0.5 ? 0.5 * dt_ : 0;  // [s]
+    const Vec3d v = velocity(k), now = v + ago * gravity;
+    book_.bring_in(0.5 * mass(k) * (dot(v, v) - dot(now, now)) - kinetic(k).sum() - potential(k));
+  }
+}
+
+}  // namespace silt
