@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
 // A conveyor belt. Ore falls onto a belt between two skirts, is carried up a slope, and is thrown
-// off at its end. Printed are the mass flow, the mass on the belt, and the power that drives it.
+// off at its end. Printed are the mass flow and the power that drives the belt.
 //
 // picture: draw conveyor_belt/particles.pvd --colour velocity.x --range 0,0.8 --view -25,15 -o conveyor_belt.png
 

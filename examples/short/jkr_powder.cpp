@@ -13,8 +13,8 @@
 
 // The solid fraction [-] of a bed of grains with this work of adhesion [J/m2].
 double solid_fraction(const std::string& name, double work_of_adhesion) {
-  // Softer than real powder, for a larger time step: with a modulus of 1e6 Pa in place of 1e10 Pa a
-  // work of 0.01 J/m2 stands for 0.4 J/m2 (docs/contact_laws.md).
+  // Softer than real powder, for a larger time step: with a modulus of 1e6 Pa in place of 1e9 Pa a
+  // work of 0.01 J/m2 stands for 0.16 J/m2 (docs/contact_laws.md).
   const silt::Jkr::Material powder{.youngs_modulus = 1e6,  // [Pa]
                                    .poisson_ratio = 0.25,
                                    .work_of_adhesion = work_of_adhesion,
@@ -24,14 +24,14 @@ double solid_fraction(const std::string& name, double work_of_adhesion) {
   silt::Particles<silt::Sphere> grains;
   grains.fill({{0, 0, 0}, {length, width, 6e-3}}, {.radius = silt::uniform(45e-6, 55e-6),
                                                    .density = 2500,
-                                                   .count = 1800,
+                                                   .count = 1500,
                                                    .arrangement = silt::Arrangement::Random});
   silt::Simulation sim{
       std::move(grains), silt::Contacts<silt::Jkr>{powder}, silt::Field<"contacts">{},
       silt::PeriodicBox{{{0, 0, -1e-3}, {length, width, 8e-3}}, {false, true, false}}};
   sim.gravity = {0, 0, -9.81};
   sim.add_wall(silt::box({0, -1, 0}, {length, 1, 8e-3}), powder);
-  sim.run(0.06);
+  sim.run(0.05);
 
   const auto partners = silt::coordination(sim);
   double volume = 0;  // [m3]

@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A contact law of one's own. Grains that yield: loading is soft, unloading is stiffer, so that
+// A contact law of your own. Grains yield: loading is soft, unloading is stiffer, so that
 // each impact takes the same share of the energy, however fast it is. Balls of three materials fall
 // from the same height; printed is the restitution of the first impact beside what was asked for.
 //
@@ -44,6 +44,7 @@ struct PlasticSpring {
     const Real normal = silt::max(p.unloading * (c.overlap - stays), Real(0));
     const auto& v = c.tangential_velocity;
     const Real speed = silt::sqrt(dot(v, v) + Real(1e-12));
+    // Coulomb's friction; near rest, where its direction is lost, a dashpot of 0.1 N s/m.
     return {normal, -silt::min(p.friction * normal / speed, Real(0.1)) * v};
   }
   // For the time step: the shortest contact of two bodies of this effective mass [s].
@@ -89,7 +90,7 @@ int main() {
   for (int k = 0; k < 3; ++k) {
     const double found = std::sqrt(rebound[k] / drop);
     std::printf("restitution %.3f, asked for %.1f\n", found, asked[k]);
-    // Catches a history that is lost in an impact, or kept from one impact to the next.
+    // Catches a history that is lost within an impact: the balls would not lose energy.
     right = right && std::abs(found - asked[k]) < 0.02;
   }
   return right ? 0 : 1;

@@ -1,10 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A module of one's own. Sand and iron fall past a drum with a magnet in it: a struct of a few
+// A module of your own. Sand and iron fall past a drum with a magnet in it: a struct of a few
 // lines pulls the iron, which lands on the other side of a splitter. Printed is how much of it
 // does.
 //
-// picture: draw own_module/particles.pvd --colour material --names sand,iron --time 0.12 0.5 -o own_module.png
+// picture: draw own_module/particles.pvd --colour material --names sand,iron --time 0.2 0.6 -o own_module.png
 
 #include <array>
 #include <cmath>
@@ -52,11 +52,11 @@ int main() {
 
   const double radius = 0.03, width = 0.02, split = 0.03;  // [m]
   silt::Simulation sim{silt::Particles<silt::Sphere>{}, contacts,
-                       Magnet{.field = 0.06, .radius = radius, .iron = contacts.add(iron)}};
+                       Magnet{.field = 0.068, .radius = radius, .iron = contacts.add(iron)}};
   sim.gravity = {0, 0, -9.81};
   sim.add_wall(silt::Cylinder{{0, 0, 0}, {0, width, 0}, radius, silt::Side::Outside}, iron,
                {.name = "drum"});
-  sim.add_wall(silt::box({-0.04, 0, -0.13}, {0.1, width, 0.2}), sand, {.name = "bins"});
+  sim.add_wall(silt::open_box({-0.04, 0, -0.13}, {0.1, width, 0.11}), sand, {.name = "bins"});
   sim.add_wall(silt::rectangle({split, 0, -0.13}, {0, width, 0}, {0, 0, 0.07}), iron,
                {.name = "splitter"});
   const silt::Box feed{{0.036, 0, 0.08}, {0.05, width, 0.1}};

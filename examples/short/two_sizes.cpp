@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Two sizes in a drum. Small dark grains of one material and large ones of another turn in a drum:
-// within a few turns the small ones form a core, and the large ones surround it.
+// Two sizes in a drum. Small grains of one material and large ones of another turn in a drum: after
+// one or two turns the small ones form a core, and the large ones surround it.
 //
-// picture: draw two_sizes/particles.pvd --colour material --names small,large --time 0.3 1.5 5 -o two_sizes.png
+// picture: draw two_sizes/particles.pvd --colour material --names small,large --time 0.3 1.5 3.3 -o two_sizes.png
 
 #include <cmath>
 #include <cstdio>
@@ -27,12 +27,12 @@ int main() {
   silt::Particles<silt::Sphere> grains;
   grains.fill(drum, {.radius = 2e-3,
                      .density = 1300,
-                     .solid_volume = 4e-6,  // [m3]
+                     .solid_volume = 3.6e-6,  // [m3]
                      .arrangement = silt::Arrangement::Random,
                      .material = contacts.add(coal)});
   grains.fill(drum, {.radius = silt::uniform(0.9e-3, 1.1e-3),
                      .density = 2500,
-                     .solid_volume = 3e-6,
+                     .solid_volume = 2.7e-6,
                      .arrangement = silt::Arrangement::Random,
                      .material = contacts.add(ore)});
 
@@ -43,7 +43,7 @@ int main() {
   sim.add_wall(silt::Cylinder{{0, 0, 0}, {0, depth, 0}, radius, silt::Side::Inside}, coal,
                {.name = "drum", .motion = silt::rotation({0, 0, 0}, {0, 1, 0}, rate)});
 
-  // Mean way of the grains of a material to the drum's wall.
+  // Mean distance of the grains of a material from the drum's wall.
   const auto from_wall = [&](std::size_t material) {
     double sum = 0, count = 0;
     for (std::size_t k = 0; k < sim.rows(); ++k) {
@@ -55,7 +55,7 @@ int main() {
   auto files = silt::vtk_series("two_sizes", silt::every(0.1));
   sim.run(0.3, files);
   const double mixed = from_wall(0) - from_wall(1);
-  sim.run(4.7, files, silt::progress());
+  sim.run(3, files);
   const double segregated = from_wall(0) - from_wall(1);
 
   std::printf(

@@ -16,15 +16,15 @@
 
 int main() {
   const silt::HertzMindlin::Material grain{
-      .youngs_modulus = 5e6, .poisson_ratio = 0.25, .restitution = 0.7, .friction = 0.5};
-  const double d = 2e-3, length = 0.15, width = 4 * d, depth = 5.4 * d;  // [m]
-  const double frequency = 13.2;                                         // [Hz]
-  const double omega = 2 * std::numbers::pi * frequency;                 // [rad/s]
+      .youngs_modulus = 2e6, .poisson_ratio = 0.25, .restitution = 0.7, .friction = 0.5};
+  const double d = 2e-3, length = 0.15, width = 3.2 * d, depth = 5.4 * d;  // [m]
+  const double frequency = 13.2;                                           // [Hz]
+  const double omega = 2 * std::numbers::pi * frequency;                   // [rad/s]
   const double amplitude = 3 * 9.81 / (omega * omega);  // [m]: three times gravity at most
 
   silt::Particles<silt::Sphere> grains;
   grains.fill({{0, 0, 0}, {length, width, 4 * depth}},
-              {.radius = silt::uniform(0.45 * d, 0.55 * d),
+              {.radius = silt::uniform(0.47 * d, 0.53 * d),
                .density = 2500,
                .solid_volume = 0.58 * length * width * depth,
                .arrangement = silt::Arrangement::Random});
@@ -38,7 +38,7 @@ int main() {
                {.name = "plate", .motion = silt::vibration({0, 0, amplitude}, frequency)});
 
   const double stroke = 1 / frequency;  // [s]
-  sim.run(20 * stroke);
+  sim.run(16 * stroke);
   auto files = silt::vtk_series("vibrated_bed", silt::every(stroke / 4));
 
   // How much mass gathers in n crests along x, and where: a coefficient of Fourier.
