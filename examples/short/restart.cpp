@@ -3,10 +3,9 @@
 // A run that is stopped goes on. A turning drum is filled by an inlet; its run is stopped halfway
 // and goes on from a checkpoint, to the same bits as a run without a stop.
 //
-// picture: draw restart/particles.pvd --colour velocity --time 0.6 1 --width 1200 -o restart.png
+// picture: draw restart/particles.pvd --colour velocity --time 0.2 0.5 1 --width 1200 -o restart.png
 
-#include <cmath>
-#include <cstdint>
+#include <algorithm>
 #include <cstdio>
 
 #include <silt/silt.hpp>
@@ -39,12 +38,13 @@ int main() {
 
   {
     auto stopped = drum();
-    stopped.run(0.5);
+    stopped.run(0.5, silt::vtk_series("restart", silt::every(0.05)));
     silt::save_checkpoint(stopped, "restart/drum.silt");
   }  // all that the run knew is gone
 
   auto again = drum();
   silt::load_checkpoint(again, "restart/drum.silt");
+  // The series of the stopped run goes on, too.
   again.run(0.5, silt::vtk_series("restart", silt::every(0.05)), silt::progress());
 
   double largest = 0, speed = 0;  // [m], [m/s]
