@@ -12,6 +12,7 @@
 #include <silt/breakage/fragment_sizes.hpp>
 #include <silt/breakage/smallest_cell.hpp>
 #include <silt/core/error.hpp>
+#include <silt/engine/population/openings.hpp>
 #include <silt/engine/stages/break_stage.hpp>
 
 namespace silt::inline SILT_TARGET::detail {

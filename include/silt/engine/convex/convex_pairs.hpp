@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include <silt/engine/contact/contact_fluxes.hpp>
 #include <silt/engine/contact/load_rows.hpp>
 #include <silt/engine/contact/offset.hpp>
 #include <silt/engine/convex/convex_touch.hpp>

@@ -8,6 +8,7 @@
 #include <silt/core/vec3.hpp>
 #include <silt/engine/contact/kinematics.hpp>
 #include <silt/engine/contact/step_times.hpp>
+#include <silt/engine/contact/wall_loads.hpp>
 #include <silt/engine/state/rows.hpp>
 
 namespace silt::inline SILT_TARGET::detail {

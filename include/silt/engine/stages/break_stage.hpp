@@ -21,6 +21,7 @@
 #include <silt/core/random.hpp>
 #include <silt/engine/contact/impacts.hpp>
 #include <silt/engine/stages/living_sizes.hpp>
+#include <silt/engine/state/composition.hpp>
 #include <silt/fill/size_distribution.hpp>
 
 namespace silt::inline SILT_TARGET::detail {

@@ -5,10 +5,13 @@
 #include <cstdint>
 #include <type_traits>
 
+#include <silt/boundary/deforming_box.hpp>
+#include <silt/boundary/domain.hpp>
 #include <silt/core/precision.hpp>
 #include <silt/engine/state/axes.hpp>
 #include <silt/engine/state/fluid_loads.hpp>
 #include <silt/engine/state/module_columns.hpp>
+#include <silt/motion/leapfrog.hpp>
 #include <silt/search/verlet_list.hpp>
 #include <silt/shape/concept.hpp>
 #include <silt/shape/sphere.hpp>
@@ -20,6 +23,12 @@ template <class ShapeType, class Contacts>
 struct ContactsOf;
 template <class ContactsType>
 struct WithOffset;
+template <class ContactsType>
+struct WithLedger;
+template <class ContactsType>
+struct WithEvents;
+template <class ContactsType>
+struct WithVirial;
 template <class ContactsType, bool ByForce>
 struct WithImpacts;
 template <bool Watched, class Contacts>
