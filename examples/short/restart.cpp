@@ -44,8 +44,8 @@ int main() {
 
   auto again = drum();
   silt::load_checkpoint(again, "restart/drum.silt");
-  // The series of the stopped run goes on, too.
-  again.run(0.5, silt::vtk_series("restart", silt::every(0.05)), silt::progress());
+  // What is left, as the stop was at the first step after 0.5 s. The series of files goes on, too.
+  again.run(1 - again.time(), silt::vtk_series("restart", silt::every(0.05)), silt::progress());
 
   double largest = 0, speed = 0;  // [m], [m/s]
   for (std::size_t k = 0; k < whole.size(); ++k) {
