@@ -2,7 +2,7 @@
 # silt - BSD-3-Clause, see LICENSE
 # A column of water collapses as a user runs it: quick runs that keep their own checks, in 2D and 3D,
 # and what is refused. The run's checks, and a wrong result that each would catch:
-#   front_off_..._after_shift_in_time  a floor that sticks; a speed of sound that holds the front back
+#   front_off_..._after_shift_in_time  a speed of sound that holds the front back
 #   height_off_martin_moyce            a wall that sticks; gravity or times in other units
 #   front_speed_over_ritters           pressure that pushes a surface which has none
 #   energy_over_that_at_the_start      viscosity or diffusion that is too large by some factors
@@ -31,4 +31,5 @@ run() {
 }
 run plane
 run space --three-dimensional
+run sticking --sticking
 exit $failed

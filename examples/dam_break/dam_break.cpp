@@ -26,11 +26,13 @@ struct Scene {
   static constexpr double a = 0.146;                 // [m] the column's width, half its height
   static constexpr double g = 9.81;                  // [m/s2]
   static constexpr double length = 8, height = 2.2;  // [-] of the channel, over a
+  static constexpr double deep = 0.2;                // [-] of the second front, over a
   double spacing = 3.65;                             // [mm]
   double sound = 10;                                 // [-] speed of sound over sqrt(2 g 2 a)
   double alpha = 0.02;                               // [-] artificial viscosity
   double end = 4.9;                                  // [-] T
   bool three_dimensional = false;
+  bool sticking = false;  // to the floor and the walls
 
   double unit() const { return std::sqrt(a / (2 * g)); }    // [s] of T
   double fall() const { return std::sqrt(2 * g * 2 * a); }  // [m/s] from the column's height
@@ -48,7 +50,8 @@ auto make_water(const Scene& s) {
                    .region = {{-more, 0, -more}, {length + more, breadth, Scene::height * a}},
                    .dimensions = s.three_dimensional ? 3 : 2,
                    .periodic = {false, s.three_dimensional, false},
-                   .gravity = {0, 0, -Scene::g}},
+                   .gravity = {0, 0, -Scene::g},
+                   .slip = s.sticking ? silt::Slip::None : silt::Slip::Free},
                   silt::ArtificialViscosity{.alpha = s.alpha}};
   water.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, {.name = "floor"});
   water.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, {.name = "wall"});
@@ -57,29 +60,39 @@ auto make_water(const Scene& s) {
   return water;
 }
 
-/// The liquid now: front over a, height at the wall over 2 a, energies over the potential one at
-/// the start, largest speed over that of sound, largest change of density.
+/// The liquid now: front over a, that of liquid which is 0.2 a deep, height at the wall over 2 a,
+/// energies over the potential one at the start, largest speed over that of sound, largest change
+/// of density.
 struct Look {
-  double front = 0, height = 0, kinetic = 0, potential = 0, elastic = 0, speed = 0, density = 0;
+  double front = 0, deep = 0, height = 0, kinetic = 0, potential = 0, elastic = 0, speed = 0,
+         density = 0;
   double behind = 0;  // [-] how deep behind a wall, over the spacing
   double energy() const { return kinetic + potential + elastic; }
 };
 template <class Water>
 Look look_at(const Water& water, double start) {
   Look out;
+  const double s = water.setup().spacing, breadth = water.setup().region.extent().y;
+  std::vector<double> depth;  // [m] of the liquid, spacing by spacing along the floor
   const double half = 0.5 * water.setup().spacing, rest = water.liquid().density,
                c = water.liquid().sound_speed;
   water.for_each([&](std::uint32_t, const Vec3d& x, const Vec3d& v, double rho, double) {
     out.front = std::max(out.front, x.x + half);
+    const auto column = static_cast<std::size_t>(std::max(x.x / s, 0.0));
+    if (column >= depth.size()) depth.resize(column + 1, 0.0);
+    depth[column] += breadth > 0 ? s * s / breadth : s;
     if (x.x < 4 * half) out.height = std::max(out.height, x.z + half);
-    const double s = rho / rest;
+    const double dense = rho / rest;
     out.potential += Scene::g * x.z, out.kinetic += 0.5 * dot(v, v);
     // The integral of P d rho/rho^2 from rho_0.
-    out.elastic += c * c / 7 * ((std::pow(s, 6) - 1) / 6 + 1 / s - 1);
+    out.elastic += c * c / 7 * ((std::pow(dense, 6) - 1) / 6 + 1 / dense - 1);
     out.speed = std::max(out.speed, norm(v) / c);
-    out.density = std::max(out.density, std::abs(s - 1));
+    out.density = std::max(out.density, std::abs(dense - 1));
     out.behind = std::max({out.behind, -x.x / (2 * half), -x.z / (2 * half)});
   });
+  for (std::size_t k = 0; k < depth.size(); ++k)
+    if (depth[k] > (Scene::deep - 1e-9) * Scene::a)
+      out.deep = static_cast<double>(k + 1) * s / Scene::a;
   const double share = water.particle_mass() / start;
   out.kinetic *= share, out.potential *= share, out.elastic *= share;
   out.front /= Scene::a, out.height /= 2 * Scene::a;
@@ -110,7 +123,8 @@ Record simulate(const Scene& s, Water& water, double start, const example::Optio
   silt::CsvTable table(
       options.out + "/dam_break.csv",
       {"time [s]", "T [-]", "front [-]", "height [-]", "kinetic energy [-]", "potential energy [-]",
-       "elastic energy [-]", "largest speed over sound [-]", "largest change of density [-]"});
+       "elastic energy [-]", "largest speed over sound [-]", "largest change of density [-]",
+       "deep front [-]"});
   silt::VtkSeries series(options.out + "/vtk", "liquid");
   const int rows = static_cast<int>(std::lround(s.end / between));
   for (int k = 0; k <= rows; ++k) {
@@ -118,7 +132,7 @@ Record simulate(const Scene& s, Water& water, double start, const example::Optio
     const Look l = look_at(water, start);
     record.T.push_back(k * between), record.looks.push_back(l);
     table.add_row({water.time(), k * between, l.front, l.height, l.kinetic, l.potential, l.elastic,
-                   l.speed, l.density});
+                   l.speed, l.density, l.deep});
     if (k % per_frame != 0) continue;
     char name[32];
     std::snprintf(name, sizeof name, "liquid_%03d.vtp", k / per_frame);
@@ -153,14 +167,26 @@ void report(example::Summary& summary, const Scene& s, const Water& water, const
   const Curve mm = dam_break::martin_moyce_front(), ko = dam_break::koshizuka_oka_front(),
               measured = dam_break::martin_moyce_height();
   for (const Curve& c : {mm, ko, measured}) write_curve(out, c);
-  // The gate takes a time that is not known. Where both were measured at one T, the fronts of the
-  // two are up to 9 % apart: the second one's falls behind from T = 2.3 on.
-  compare_front(summary, front, mm, "martin_moyce", 0.03);
+  // Where both were measured at one T, the fronts of the two are up to 9 % apart: the second one's
+  // falls behind from T = 2.3 on.
+  compare_front(summary, front, mm, "martin_moyce", s.sticking ? 0.12 : 0.03);
   compare_front(summary, front, ko, "koshizuka_oka", 0.08);
+  // A thin wedge runs ahead, which friction holds back in the experiment (docs/sph.md).
+  const Curve deep = record.curve(&Look::deep);
+  const double off_mm = dam_break::distance(deep, mm, 0).share,
+               off_ko = dam_break::distance(deep, ko, 0).share;
+  summary.result("deep_front_off_martin_moyce", off_mm);
+  summary.result("deep_front_off_koshizuka_oka", off_ko);
+  summary.result("deep_front_late_martin_moyce_T", dam_break::lateness(deep, mm));
+  std::printf("Front of liquid %.1f a deep, as it is: %.1f %% and %.1f %% rms off.\n", Scene::deep,
+              100 * off_mm, 100 * off_ko);
   const double off = dam_break::distance(height, measured, 0).plain;
   std::printf("Height: %.1f %% of 2 a rms off.\n", 100 * off);
-  // Half a spacing is a quarter of s/a; 1 % was seen of fine ones.
-  summary.check_at_most("height_off_martin_moyce", off, 0.01 + 0.25 * s.across() / Scene::a);
+  summary.result("height_off_martin_moyce_over_2_a", off);
+  // Half a spacing is a quarter of s/a; 1 % was seen of fine ones. A wall that it sticks to holds
+  // it up.
+  if (!s.sticking)
+    summary.check_at_most("height_off_martin_moyce", off, 0.01 + 0.25 * s.across() / Scene::a);
   double fastest = 0, grown = 0;
   for (std::size_t k = 1; k < record.T.size(); ++k) {
     if (k >= 10)
@@ -172,13 +198,18 @@ void report(example::Summary& summary, const Scene& s, const Water& water, const
   summary.check_at_most("front_speed_over_ritters", fastest / 2, 1);
   const Look& end = record.looks.back();
   summary.result("energy_at_the_end", end.energy());
-  // Seen: 1.3 % of a/20, 0.5 % of a/80 in 2D, 4.6 % of a/10 in 3D.
-  summary.check_within("energy_over_that_at_the_start",
-                       end.energy() / record.looks.front().energy(), 1,
-                       0.003 + 0.8 * s.across() / Scene::a * std::max(1.0, s.alpha / 0.02),
-                       "artificial viscosity, in proportion to alpha h");
-  // Seen: 2e-7 at the most; 2.4e-3 where liquid that parts from a wall loses density.
-  summary.check_at_most("energy_that_came_from_nothing", grown, 1e-3);
+  // The layer at walls that it sticks to takes much of its energy.
+  if (s.sticking) {
+    summary.result("energy_over_that_at_the_start", end.energy() / record.looks.front().energy());
+  } else {
+    // Seen: 1.3 % of a/20, 0.5 % of a/80 in 2D, 4.6 % of a/10 in 3D.
+    summary.check_within("energy_over_that_at_the_start",
+                         end.energy() / record.looks.front().energy(), 1,
+                         0.003 + 0.8 * s.across() / Scene::a * std::max(1.0, s.alpha / 0.02),
+                         "artificial viscosity, in proportion to alpha h");
+    // Seen: 2e-7 at the most; 2.4e-3 where liquid that parts from a wall loses density.
+    summary.check_at_most("energy_that_came_from_nothing", grown, 1e-3);
+  }
   summary.check_at_most("largest_change_of_density", record.most(&Look::density), 0.05);
   summary.check_at_most("largest_speed_over_sound", record.most(&Look::speed), 0.15);
   summary.check_at_most("particles_that_left", static_cast<double>(water.left()), 0);
@@ -208,6 +239,7 @@ int run(const Scene& s, const example::Options& options) {
   summary.input("width_m", Scene::a);
   summary.input("sound_speed_m_s", water.liquid().sound_speed);
   summary.input("artificial_viscosity", s.alpha);
+  summary.input("sticking", s.sticking ? 1.0 : 0.0);
   summary.input("threads", static_cast<double>(options.threads));
   report(summary, s, water, record, options.out);
   summary.result("wall_time_s", seconds);
@@ -238,6 +270,7 @@ int main(int argc, char** argv) {
               "Speed of sound over the speed of a fall from the top of the column");
   command.add("--alpha", scene.alpha, 0, 1, "Artificial viscosity alpha");
   command.add("--end", scene.end, 3.4, 5.2, "Time t sqrt(2 g/a) at which the run ends");
+  command.add_flag("--sticking", scene.sticking, "No-slip condition at floor and walls");
   command.add_flag("--three-dimensional", scene.three_dimensional,
                    "In 3D: a channel that is periodic across its width");
   return command.run(argc, argv, [&] {

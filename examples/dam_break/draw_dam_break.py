@@ -90,6 +90,7 @@ def curves(folder, late):
     figure, (front, height, energy) = plt.subplots(1, 3, figsize=(14, 4.6), constrained_layout=True)
     front.plot(T, column["front"], color=COLOURS[0], label="silt")
     front.plot(T + late, column["front"], color=COLOURS[0], ls="--", lw=1.1, label=f"silt, {late:.2f} later")
+    front.plot(T, column["deep front"], color=COLOURS[1], lw=1.4, label="silt, where it is 0.2 a deep")
     for name, colour, mark, label in (("front_martin_moyce", COLOURS[5], "o", "Martin and Moyce"),
                                       ("front_koshizuka_oka", COLOURS[2], "s", "Koshizuka and Oka")):
         front.plot(*marks[name].T, mark, color=colour, mfc="white", label=label)

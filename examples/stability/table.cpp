@@ -73,7 +73,7 @@ bool is_a_limit(const std::string& sentence) {
        {"guard.max_overlap", "are too stiff or too strongly damped", "is above the limit",
         "is above its limit", "is too long for the bonds", "more than guard.max_travel",
         "places at once, and silt computes", "of Liquid.sound_speed = ", "has gone through wall ",
-        "times the speed of a wall", "take a smaller spacing, a larger alpha"})
+        "times the speed of a wall", "use a smaller spacing, a larger alpha"})
     if (sentence.find(words) != std::string::npos) return true;
   return false;
 }

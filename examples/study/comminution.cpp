@@ -246,7 +246,7 @@ void run(const studies::Setting& setting, example::Summary& summary) {
   Study(setting).run(summary);
 }
 
-const studies::Registered here{"comminution", "a jet mill: what each economy gains, and its error",
+const studies::Registered here{"comminution", "a jet mill: speed-up and error of each economy",
                                run};
 
 }  // namespace

@@ -191,8 +191,8 @@ void run(const studies::Setting& setting, example::Summary& summary) {
                          cost.results().rows[1].error("worst error of e")->value, 0.1);
 }
 
-const studies::Registered here{
-    "damping-rule", "restitution of unequal spheres: dashpots made from each alone", run};
+const studies::Registered here{"damping-rule",
+                               "restitution of unequal spheres, dashpots by five rules", run};
 
 }  // namespace
 

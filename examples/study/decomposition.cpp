@@ -59,31 +59,50 @@ double cost_of_ghost(std::size_t particles, const std::function<double()>& clock
   return best;
 }
 
-/// Sees a run at every fourth step, and each search of its list once.
+/// Observes a run at every fourth step: the time of steps between two searches of its list and,
+/// at each search, what every decomposition does.
 class Looker {
  public:
-  Looker(double opening, std::int64_t searched, std::function<double()> clock, Recorded& recorded)
-      : opening_(opening), searched_(searched), clock_(std::move(clock)), recorded_(recorded) {
+  /// `divides`: false times the steps alone.
+  Looker(double opening, std::int64_t searched, bool divides, std::function<double()> clock,
+         Recorded& recorded)
+      : opening_(opening),
+        searched_(searched),
+        divides_(divides),
+        clock_(std::move(clock)),
+        recorded_(recorded) {
     since_ = clock_();
   }
 
   template <class Sim>
   void operator()(const Sim& sim) {
     spent_ += clock_() - since_;
-    const auto& upkeep = sim.engine().lists.upkeep;
-    if (upkeep.searched_at != searched_) look(sim, upkeep.searched_at);
+    const auto searched = sim.engine().lists.upkeep.searched_at;
+    if (searched != searched_) {
+      time(sim, searched);
+      if (divides_) divide(sim, searched);
+      searched_ = searched;
+    }
     since_ = clock_();
   }
   double mean_reach() const { return reach_ / static_cast<double>(recorded_.times.size()); }  // [m]
 
  private:
+  /// Steps since the search before, with the pairs that it had found.
   template <class Sim>
-  void look(const Sim& sim, std::int64_t searched) {
+  void time(const Sim& sim, std::int64_t searched) {
+    const auto steps = static_cast<double>(sim.step() - step_);
+    if (started_)
+      (divides_ ? recorded_.timed : recorded_.filling)
+          .push_back({spent_ / steps, pairs_, static_cast<double>(sim.size()),
+                      static_cast<double>(searched - searched_)});
+    pairs_ = 0;
+    sim.engine().lists.pairs.for_each([&](std::size_t) { ++pairs_; });
+    started_ = true, step_ = sim.step(), spent_ = 0;
+  }
+  template <class Sim>
+  void divide(const Sim& sim, std::int64_t searched) {
     const Search now(sim, opening_, searched - searched_);
-    const double done = static_cast<double>(sim.step() - step_);
-    if (!recorded_.times.empty())
-      recorded_.timed.push_back({spent_ / done, pairs_, static_cast<double>(now.place.size()),
-                                 static_cast<double>(now.steps)});
     recorded_.times.push_back(now.time);
     auto& ranks = recorded_.ranks.emplace_back();
     auto& imbalance = recorded_.imbalance.emplace_back();
@@ -94,12 +113,11 @@ class Looker {
     double sum = 0, largest = 0;
     for (const double r : now.grown) sum += r, largest = std::max(largest, r);
     reach_ += sum / static_cast<double>(now.grown.size()) + largest;
-    pairs_ = static_cast<double>(now.pairs.size());
-    searched_ = searched, step_ = sim.step(), spent_ = 0;
   }
 
   double opening_;
   std::int64_t searched_, step_ = 0;
+  bool divides_, started_ = false;
   std::function<double()> clock_;
   Recorded& recorded_;
   double spent_ = 0, since_ = 0, reach_ = 0, pairs_ = 0;
@@ -121,15 +139,18 @@ void run(const studies::Setting& setting, example::Summary& summary) {
   const double opening = scene.settling_time();
   std::printf("%zu spheres in one process; %g s until they are at rest\n", scene.particles,
               opening);
-  sim.run(opening, silt::progress());
+  // Free fall, the impact and the bed at rest: steps with few and with many pairs, for the costs.
+  const auto clock = silt::processor_time().now;
+  Looker filling(opening, -1, false, clock, recorded);
+  sim.run(opening, silt::at(silt::every(4 * scene.time_step), [&](const auto& s) { filling(s); }),
+          silt::progress());
   const double rest = sim.kinetic_energy() / (sim.total_mass() * 9.81 * 2 * scene.r_max);
   sim.remove_wall(hopper::lid);
 
   recorded.divisions = divisions(scene, numbers);
   recorded.particles = static_cast<double>(scene.particles);
   recorded.moments.assign(scene.moments, scene.moments + 4);
-  const auto clock = silt::processor_time().now;
-  Looker looker(opening, sim.engine().lists.upkeep.searched_at, clock, recorded);
+  Looker looker(opening, sim.engine().lists.upkeep.searched_at, true, clock, recorded);
   for (const double moment : scene.moments) {
     sim.run(opening + moment - sim.time(),
             silt::at(silt::every(4 * scene.time_step), [&](const auto& s) { looker(s); }),

@@ -247,6 +247,7 @@ struct Timed {
 struct Recorded {
   std::vector<double> times;  // [s] after opening
   std::vector<Timed> timed;
+  std::vector<Timed> filling;                              // before opening: few pairs at first
   std::vector<Division> divisions;                         // as they are at the end
   std::vector<std::vector<std::vector<RankCount>>> ranks;  // of each search and division
   std::vector<std::vector<double>> imbalance;              // likewise

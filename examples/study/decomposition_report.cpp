@@ -127,7 +127,10 @@ void report(const studies::Setting& setting, const Recorded& recorded, example::
   const std::string ranks_folder = setting.out + "/ranks";
   silt::make_folder(ranks_folder);
   write_over_time(recorded, ranks_folder);
-  Costs costs = fit(recorded.timed);
+  // The discharge alone has hardly more or fewer pairs at one time than at another.
+  std::vector<Timed> timed = recorded.filling;
+  timed.insert(timed.end(), recorded.timed.begin(), recorded.timed.end());
+  Costs costs = fit(timed);
   costs.ghost = recorded.ghost;
   const bool usable = std::min({costs.pair, costs.owner, costs.search}) >= 0;
   if (!usable)

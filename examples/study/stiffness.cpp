@@ -53,8 +53,8 @@ double measured(double shear_modulus, double speed) {
   return 100 * sim.peak_overlap() / 2;
 }
 
-/// True if silt stops the sphere on a plate of triangles, one that is hard from both sides, because
-/// its centre would come out behind it.
+/// True if the sphere passes through a plate of triangles, one that is hard from both sides: with the
+/// guard's limits lifted its centre comes out behind it.
 bool passes(double shear_modulus, double speed) {
   silt::Particles<silt::Sphere> one;
   one.add({.position = {0, 0, 1.1 * flats::radius},

@@ -195,7 +195,7 @@ TEST_CASE("mesh_file: a bad OBJ file is refused with line and reason") {
   refused("a.obj", "v 0 nan 0\n" + points, "line 1: y: 'nan' is not finite");
   refused("a.obj", points + "surf 0 1 0 1 1 2 3\n",
           "line 4: 'surf' is not a statement of a polygon mesh");
-  refused("a.obj", std::string("v 0 0 0\0", 8), "is no text: it has zero bytes");
+  refused("a.obj", std::string("v 0 0 0\0", 8), "is not text: it has zero bytes");
   const Folder folder;
   const auto large = folder.with("b.obj", "v 0 0 0\nv 10 0 0\nv 0 1 0\nf 1 2 3\n");
   refuses<FileError>([&] { (void)read_mesh(large, 1e308); }, "line 4: the face has the corner");

@@ -106,7 +106,7 @@ TEST_CASE("check_sizes: refuses what creates or loses mass") {
   says(capped, 0.8, "must be 1 from largest() = 0.0016 [m] on: otherwise mass is lost");
   says([](double x) { return std::min(1.0, 0.1 + x); }, 1, "finer(0) = 0.1 [-] must be 0");
   says([](double x) { return 1.1 * std::min(x, 1.0); }, 1, "must be in [0, 1]");
-  says([](double x) { return x >= 1 ? 1 : 4 * x * (1 - x); }, 1, "finer() must not fall");
+  says([](double x) { return x >= 1 ? 1 : 4 * x * (1 - x); }, 1, "finer() must not decrease");
   says([](double x) { return x > 0 ? nan : 0.0; }, 1, "= nan [-] of a parent of 0.002 [m]");
 }
 
@@ -141,7 +141,7 @@ TEST_CASE("breakage functions: refusals name field, value and unit") {
   says(own, "T10Sizes.shares[6].beta = 41 [-] must be in (0, 40]");
   // Fits that cross: more mass below d/4 than below d/2.
   own = t10, std::swap(own.shares[2].beta, own.shares[3].beta);
-  has(refusal([&] { silt::check_sizes(own, parent); }), "finer() must not fall");
+  has(refusal([&] { silt::check_sizes(own, parent); }), "finer() must not decrease");
 }
 
 }  // namespace breakage_sizes_test

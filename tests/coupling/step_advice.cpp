@@ -117,7 +117,7 @@ TEST_CASE("a velocity of the flow that is no number: no shorter step is advised"
   }
   CAPTURE(stopped);
   CHECK(says(stopped, "FlowSolver: the velocity"));
-  CHECK_FALSE(says(stopped, "take a step"));
+  CHECK_FALSE(says(stopped, "use a step"));
 }
 
 TEST_CASE("light grains under a fluid step longer than a contact: refused, by density ratio") {

@@ -389,7 +389,7 @@ TEST_CASE(
                       {path, std::string("walls.") + list + "_images[", std::to_string(image),
                        "not an image of a wall in this box"}));
   CHECK(has_words(refused("outer", wall_image({1, 0, 0}), true), {"planes do not repeat"}));
-  CHECK(has_words(refused("inner", wall_image({5, 0, 0})), {"is none of the outer list"}));
+  CHECK(has_words(refused("inner", wall_image({5, 0, 0})), {"is not in the outer list"}));
 
   // In a box that does not repeat there are none.
   const auto in_the_open = [] {

@@ -183,7 +183,7 @@ TEST_CASE(
                 "7'... (1048577 bytes) is outside the range");
   check_refused(header + "\x1b[2J,0,0,1,1,0\n", "column 'x': '\\x1b[2J' is not a number");
   check_refused(std::string("\xFF\xFEx\0", 4), "is text in UTF-16; save it as UTF-8");
-  check_refused(std::string("x,y\0", 4), "is no text: it has zero bytes");
+  check_refused(std::string("x,y\0", 4), "is not text: it has zero bytes");
 }
 
 TEST_CASE("particle_file: a table that could not be read back is refused and leaves the old file") {

@@ -594,7 +594,7 @@ TEST_CASE("what cannot be is refused with a sentence") {
   has([&] { flow.step(0); }, "step of 0 s");
   has([&] { flow.step(10); }, "viscosity spreads");
   flow.voidage()(1, 2, 3) = -0.1;
-  has([&] { flow.step(0.01); }, "cell (1, 2, 3) has a voidage of -0.1");
+  has([&] { flow.step(0.01); }, "cell (1, 2, 3) has a void fraction of -0.1");
   flow.voidage()(1, 2, 3) = 1;
   flow.set_side(2, 0, Inflow{{0, 0, 1}});
   has([&] { flow.step(0.01); }, "no side is an Outflow");

@@ -217,7 +217,7 @@ TEST_CASE(
   CHECK(has_words(refusal<FileError>([&] { load_checkpoint(sim, folder / "none"); }),
                   {"none", "cannot be opened for reading", "No such file"}));
   CHECK(has_words(damaged(""), {bad, "is empty"}));
-  CHECK(has_words(damaged("x,y,z\n1,2,3\n"), {bad, "is no checkpoint of silt"}));
+  CHECK(has_words(damaged("x,y,z\n1,2,3\n"), {bad, "is not a checkpoint of silt"}));
   for (const std::size_t keep : {std::size_t{9}, content.size() / 3, content.size() - 1})
     CHECK(has_words(damaged(content.substr(0, keep)), {bad, "is truncated"}));
   CHECK(has_words(damaged(content + "x"), {bad, "is damaged"}));

@@ -283,8 +283,8 @@ TEST_CASE("checkpoint: missing, empty, foreign, newer, swapped and damaged files
   CHECK(has_words(refusal([&] { silt::CheckpointReader reader(path); }),
                   {path, "No such file or directory"}));
   CHECK(has_words(sentence_for(""), {path, "is empty"}));
-  CHECK(has_words(sentence_for("hello"), {path, "no checkpoint of silt"}));
-  CHECK(has_words(sentence_for(std::string(5000, 'z')), {path, "no checkpoint of silt"}));
+  CHECK(has_words(sentence_for("hello"), {path, "not a checkpoint of silt"}));
+  CHECK(has_words(sentence_for(std::string(5000, 'z')), {path, "not a checkpoint of silt"}));
   CHECK(has_words(sentence_for(good.substr(0, 20)), {path, "truncated", "20 bytes"}));
   CHECK(has_words(sentence_for(good.substr(0, good.size() - 1)),
                   {path, "truncated", silt::text(good.size() - 1, " of ", good.size())}));

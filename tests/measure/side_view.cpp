@@ -119,7 +119,7 @@ TEST_CASE("side view: what is refused") {
   CHECK(has(refusal([&] { silt::repose_line(empty, {.from_top = -1}); }), "at least 0"));
   auto small = drum();
   small.next_frame(), small.add_disc(0, 0, 0.02);
-  CHECK(has(refusal([&] { silt::repose_line(small.share()); }), "take a smaller from_top"));
+  CHECK(has(refusal([&] { silt::repose_line(small.share()); }), "use a smaller from_top"));
 }
 
 }  // namespace side_view_test

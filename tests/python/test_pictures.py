@@ -262,6 +262,11 @@ class Drawn(Refuses, unittest.TestCase):
         grey = self.draw(path("grains", "particles.pvd"))
         self.assertGreater(np.abs(grey[:100, :100] - 1).max(), 0.5, "no scale bar")
 
+    def test_the_width_of_a_picture(self):
+        image = self.draw(path("grains", "particles.pvd"), "--colour", "velocity", "--width", 600)
+        self.assertEqual(image.shape[1], 600)
+        self.refused("pixels from 100", "draw", path("grains"), "--width", 7, "-o", self.out)
+
     @needs("shapes")
     def test_true_shapes(self):
         """Of bodies their surfaces or parts are drawn, with fields of the file of particles by id. Catches
@@ -463,6 +468,10 @@ class Drawn(Refuses, unittest.TestCase):
         _, [whole] = figure_of(path("whole"), "--colour", "velocity")
         _, [pieces] = figure_of(path("pieces"), "--colour", "velocity")
         np.testing.assert_allclose(np.sort(pieces.bed.values), np.sort(whole.bed.values), rtol=1e-6)
+        _, [by_rank] = figure_of(path("pieces"), "--colour", "rank")
+        self.assertEqual(by_rank.bed.label, "rank")
+        self.assertGreater(len(np.unique(by_rank.bed.values)), 1)
+        self.refused("has no field 'rank'", "draw", path("whole"), "--colour", "rank", "-o", self.out)
 
     def test_movies(self):
         from PIL import Image
@@ -691,6 +700,9 @@ class Tables(Refuses, unittest.TestCase):
         [panel] = figure.axes
         figure.canvas.draw()
         self.assertGreaterEqual(panel.get_legend().get_window_extent().y0, panel.bbox.y1, "a legend hides curves")
+        for label, shown in (("energy", "energy [J]"), ("energy [kJ]", "energy [kJ]")):
+            [panel] = self.figure("curves", a, "--x", "time", "--y", "kinetic,heat", "--y-label", label).axes
+            self.assertEqual(panel.get_ylabel(), shown)
         [alone] = self.lines(a, "--x", "time", "--y", "kinetic,heat")
         self.assertEqual([one[0] for one in alone], ["kinetic", "heat"])
         self.assertTrue(alone[0][1] != alone[1][1] and alone[0][2] == alone[1][2] == "-", "a colour a column")

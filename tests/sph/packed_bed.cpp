@@ -127,7 +127,7 @@ TEST_CASE(
 TEST_CASE("SPH: without RestoredVolume the pores stay half empty, with DynamicWalls nearly so") {
   const double drifting = poured(MirroredWalls{}, DriftingVolume{}).first;
   MESSAGE("drifting: pores ", drifting);
-  CHECK(drifting < 0.7);  // 0.46
+  CHECK(drifting < 0.8);  // 0.68; 0.46 before spray gave up its pressure
   const double dynamic = poured(DynamicWalls{}, DriftingVolume{}).first;
   MESSAGE("dynamic: pores ", dynamic);
   CHECK(dynamic < 0.3);

@@ -169,7 +169,7 @@ TEST_CASE("SPH: a liquid that is too fast for its sound stops with a sentence") 
                  [](const Vec3d&) { return 0.0; });
         sph.run(0.01);
       },
-      "take a larger Liquid.sound_speed, ");
+      "use a larger Liquid.sound_speed, ");
 }
 
 namespace {
@@ -299,6 +299,32 @@ TEST_CASE("SPH: liquid that is put where bodies of the Simulation are is taken o
   CHECK(sim.fluid().displaced() == 2 * first);
 }
 
+TEST_CASE("SPH: liquid inside a body names the body and its place") {
+  const std::vector<Vec3d> at{{0.05, 0, 0.02}, {0.1, 0, 0.1}}, still(2, Vec3d{0, 0, 0});
+  const std::vector<double> radius{0.015, 0.03}, mass{0.7, 2.8}, volume{7e-4, 2.8e-3};
+  const std::vector<ParticleId> id{3, 7};
+  CoupledParticles of{};
+  of.shape.position = at, of.shape.radius = radius, of.velocity = still;
+  of.volume = volume, of.mass = mass, of.angular_velocity = still, of.id = id;
+  refuses<SimulationError>(
+      [&] {
+        Sph sph{water, setup, Inviscid{}};
+        sph.fill(
+            [](const Vec3d& x) {
+              return norm(x - Vec3d{0.1, 0, 0.15}) < 0.008;
+            },
+            [](const Vec3d&) {
+              return Vec3d{0, 0, -100};
+            },
+            [](const Vec3d&) { return 0.0; });
+        auto force = still, torque = still;
+        sph.advance(of, 1e-7, force, {}, torque);
+        // Steps that are too long for a speed, by hand.
+        for (int k = 0; k < 100; ++k) sph.step(2e-4);
+      },
+      "has gone into body 7 at (0.1, 0, 0.1) m, with density ");
+}
+
 TEST_CASE("SPH: liquid behind a wall names it, a drop alone its density") {
   const auto shot = [](const Vec3d& from, const Vec3d& velocity, double least) {
     return [=] {
@@ -314,7 +340,7 @@ TEST_CASE("SPH: liquid behind a wall names it, a drop alone its density") {
   refuses<SimulationError>(shot({0.1, 0, 0.11}, {0, 0, -100}, 0.999),
                            "gone through wall 'floor' by ");
   refuses<SimulationError>(shot({0.1, 0, 0.15}, {0, 0, 5}, 1.01),
-                           "take a larger Liquid.sound_speed, 50 ");
+                           "use a larger Liquid.sound_speed, 50 ");
   refuses<SimulationError>(shot({0.1, 0, 0.15}, {0, 0, 0.1}, 1.01), "an isolated drop");
 }
 

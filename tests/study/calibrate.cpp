@@ -329,7 +329,7 @@ TEST_CASE("calibrate: what makes no sense is refused in one sentence") {
   CHECK(has(with([](auto&, auto& p, auto&) { p.clear(); }), "there are no parameters to find"));
   CHECK(has(with([](auto&, auto&, auto& t) { t.clear(); }), "there are no targets to reach"));
   CHECK(has(with([](auto&, auto& p, auto&) { p[0].least = 0.9; }),
-            "parameter 'restitution [-]' has bounds 0.9 and 0.9; the first must be less"));
+            "parameter 'restitution [-]' has bounds 0.9 and 0.9; the first must be smaller"));
   CHECK(
       has(with([](auto&, auto& p, auto&) { p[0].most = std::nan(""); }), "has bounds 0.3 and nan"));
   CHECK(has(with([](auto&, auto& p, auto&) { p[0].least = 0, p[0].logarithmic = true; }),

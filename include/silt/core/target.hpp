@@ -1,15 +1,16 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-/// SILT_TARGET names the instruction set of the compile flags. All of silt stands in an inline
-/// namespace of this name, so that units with other flags in one program share no function: the
-/// linker keeps one of those with the same name, and that may be the one that the machine at hand
-/// cannot run. For flags that differ but make the same name here, set a name of your own.
+/// SILT_TARGET names the instruction set of the compile flags. All of silt is in an inline
+/// namespace of this name, hence units with different flags in one program share no functions.
+/// Otherwise the linker would keep one of several functions with the same name, possibly one that
+/// the processor cannot run. If two sets of flags get the same name here, define SILT_TARGET
+/// yourself.
 ///
-/// A silt type of one unit is hence not that of another; a type of yours, or of the standard
-/// library, is. Errors alone are the same in all units (core/error_types.hpp). Functions of the
-/// standard library are shared: link the units with the fewest instructions first. Test:
-/// tests/compile/units_apart.py.
+/// Types of silt are therefore different types in units with different targets; types of the user
+/// and of the standard library are the same. Of silt only the errors are the same in all units
+/// (core/error_types.hpp). Functions of the standard library are shared: link the units with the
+/// fewest instructions first. Test: tests/compile/units_apart.py.
 #if !defined(SILT_TARGET)
 #if defined(__AVX512F__)
 #define SILT_TARGET for_avx512
@@ -34,6 +35,6 @@
 #endif
 #endif
 
-/// The text of what a macro stands for.
+/// Text of a macro after expansion.
 #define SILT_TEXT(macro) SILT_TEXT_AS_IT_IS(macro)
 #define SILT_TEXT_AS_IT_IS(text) #text

@@ -165,7 +165,7 @@ inline std::string read_text(const std::string& path) {
       const bool wide = block.starts_with("\xFF\xFE") || block.starts_with("\xFE\xFF");
       throw FileError(
           text("file '", path, "' ",
-               wide ? "is text in UTF-16; save it as UTF-8" : "is no text: it has zero bytes"));
+               wide ? "is text in UTF-16; save it as UTF-8" : "is not text: it has zero bytes"));
     });
   });
   if (content.starts_with(utf8_mark)) content.erase(0, utf8_mark.size());

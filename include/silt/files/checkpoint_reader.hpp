@@ -148,7 +148,7 @@ class CheckpointReader {
     const auto got = static_cast<std::size_t>(std::min<std::uint64_t>(size_, sizeof start));
     file_.read_at(0, start, got);
     const auto magic = detail::checkpoint_magic.substr(0, got);
-    if (std::string_view(start, magic.size()) != magic) refuse("is no checkpoint of silt");
+    if (std::string_view(start, magic.size()) != magic) refuse("is not a checkpoint of silt");
     if (got < sizeof start) refuse("is truncated: only ", size_, " bytes are left");
     std::uint32_t mark, version;
     std::uint64_t whole, table_bytes;

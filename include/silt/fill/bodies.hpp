@@ -197,8 +197,8 @@ class Particles<S> {
   /// As for spheres.
   void check(const Particle& p, std::size_t number) const { check(p, number, forms_); }
   static void check(const Particle& p, std::size_t number, std::span<const BodyForm<S>> forms) {
-    require(p.form < forms.size(), "particle ", number, ": form = ", p.form, " is none of the ",
-            forms.size(), " forms; make it with add_form first");
+    require(p.form < forms.size(), "particle ", number, ": form = ", p.form, " must be less than ",
+            forms.size(), ", the number of forms; call add_form first");
     detail::check_state(p, number);
     const Quaternion& q = p.orientation;
     const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
@@ -219,8 +219,8 @@ class Particles<S> {
   Particles& fill(const R& region, const Fill& fill) {
     require_positive("Fill.density", fill.density, "kg/m3");
     require(is_finite(fill.velocity), "Fill.velocity = ", fill.velocity, " [m/s] must be finite");
-    require(fill.form < forms_.size(), "Fill.form = ", fill.form, " is none of the ", forms_.size(),
-            " forms; make it with add_form first");
+    require(fill.form < forms_.size(), "Fill.form = ", fill.form, " must be less than ",
+            forms_.size(), ", the number of forms; call add_form first");
     const BodyForm<S>& form = forms_[fill.form];
     std::vector<PlacedSphere> already;
     for (const auto& p : all_) already.push_back({p.position, p.radius});

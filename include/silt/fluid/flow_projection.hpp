@@ -203,7 +203,7 @@ class FlowProjection {
     }
   }
 
-  static constexpr double rounding = 1e-14;  // [-] of the voidage
+  static constexpr double rounding = 1e-14;  // [-] of the void fraction
 
   /// Root mean square [1/s].
   double norm_of_right(const FlowState& state, const Team& team) const {

@@ -61,7 +61,8 @@ struct FlowState {
         const double* const e = voidage.row(j, k);
         for (int i = 0; i < grid.nx(); ++i)
           if (!(e[i] > 0 && e[i] <= 1 + 1e-9)) [[unlikely]]
-            throw Error(text("FlowSolver: cell (", i, ", ", j, ", ", k, ") has a voidage of ", e[i],
+            throw Error(text("FlowSolver: cell (", i, ", ", j, ", ", k, ") has a void fraction of ",
+                             e[i],
                              "; it must be above 0 and at most 1: spread the particles' volume "
                              "over more cells, or use larger cells"));
       }

@@ -92,8 +92,8 @@ void check_particles(const CheckpointLoader& a, const State& p, std::size_t mate
       a.need(norm(m.velocity()) <= most && m.inv_m <= most, "motion of row ", k,
              " must be below 3.4e38");
     if constexpr (State::several)
-      a.need(p.material[k] < materials, "material[", k, "] = ", p.material[k], " is none of the ",
-             materials, " materials");
+      a.need(p.material[k] < materials, "material[", k, "] = ", p.material[k],
+             " must be less than ", materials, ", the number of materials");
     if constexpr (State::derivative_rows > 0) {
       const auto& d = p.derivatives[k].row;
       for (std::size_t r = 0; r < State::derivative_rows && !std::isnan(d[0][0]); ++r)

@@ -270,7 +270,7 @@ struct BlockState {
   }
   /// Checks that the rows and walls that it refers to exist.
   void check(const CheckpointLoader& a, std::size_t rows, std::size_t walls) const {
-    a.need(rank < of, "ranks.rank = ", rank, " is none of ", of);
+    a.need(rank < of, "ranks.rank = ", rank, " must be less than ", of, ", the number of ranks");
     a.need(ghosts <= rows, "ranks.ghosts = ", ghosts, " of ", rows, " rows");
     a.need(counts.size() == 6 && balance.size() == 2 && impulses.size() == 4 * walls &&
                neighbours.size() % 4 == 0,

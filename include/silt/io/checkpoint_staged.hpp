@@ -76,8 +76,8 @@ class Checkpoint<Sim>::Staged {
     if constexpr (chooses_search) {
       const auto choice = a.template column<std::uint64_t>("search.choice", 2);
       using Finder = std::remove_cvref_t<decltype(detail::finder_of(sim_.search_))>;
-      a.need(choice[0] < Finder::searches, "search.choice[0] = ", choice[0], " is none of ",
-             Finder::searches, " searches");
+      a.need(choice[0] < Finder::searches, "search.choice[0] = ", choice[0], " must be less than ",
+             Finder::searches, ", the number of searches");
       choice_ = {choice[0], choice[1]};
     }
   }

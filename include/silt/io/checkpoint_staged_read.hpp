@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of Checkpoint::Staged: the scene, the particles and the lists are read and checked.
+// Parts of Checkpoint::Staged: read and check the scene, the particles and the lists.
 
 #include <algorithm>
 #include <cstddef>

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -100,6 +101,7 @@ struct SphCore {
   bool made = false;   // solids are in the columns
   [[no_unique_address]] Book book{};
   std::vector<std::size_t> resolved{};  // particles that are bodies in the liquid
+  std::vector<ParticleId> body_ids{};   // of these
 
   void begin() {
     liquid.check(), setup.check(), viscosity.check(), diffusion.check(), shift.check(),
@@ -157,6 +159,8 @@ struct SphCore {
                 [&](std::size_t a, std::size_t b) { return of.id[a] < of.id[b]; });
     if constexpr (Grains::averaged)
       if (!grains.pick_small(of, setup, resolved)) made = false, renewed();
+    body_ids.clear();
+    for (const std::size_t p : resolved) body_ids.push_back(of.id.empty() ? p : of.id[p]);
     if (solids.bodies.set(of, resolved, setup)) make_room_for_bodies();
     solids.walls.take_drives(time), on_walls.assign(solids.walls.walls(), {});
     exchange = sph_longest_exchange(*this, of);
@@ -193,13 +197,17 @@ struct SphCore {
   /// [kg] of the particle of a row.
   double mass_of(std::size_t k) const { return particle_mass() * columns.share_of(k); }
   void make_room_for_bodies() {
-    take_out([this](const Vec3d& x) {
-      for (const auto& body : solids.bodies.bodies) {
-        const Vec3d arm = lists.repeats.shortest(x - body.centre);
-        if (dot(arm, arm) < body.reach * body.reach && solids.bodies.holds(body, arm)) return true;
-      }
-      return false;
-    });
+    take_out([this](const Vec3d& x) { return body_at(x).has_value(); });
+  }
+  /// The body in which a place lies, counted from 0 in the order of ids.
+  std::optional<std::size_t> body_at(const Vec3d& x) const {
+    const auto& bodies = solids.bodies.bodies;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      const Vec3d arm = lists.repeats.shortest(x - bodies[b].centre);
+      if (dot(arm, arm) < bodies[b].reach * bodies[b].reach && solids.bodies.holds(bodies[b], arm))
+        return b;
+    }
+    return std::nullopt;
   }
 
   /// @name What a step goes by

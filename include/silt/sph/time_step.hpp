@@ -10,6 +10,7 @@
 #include <silt/sph/pair_sums.hpp>
 #include <silt/sph/row.hpp>
 #include <silt/sph/solid_sums.hpp>
+#include <silt/sph/volume.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -28,7 +29,7 @@ class SphStep {
       start = r;
       r.place(r.position() + 0.5 * dt_ * r.velocity());
       r.move(r.velocity() + 0.5 * dt_ * rate.acceleration);
-      r.density = held(r.density + 0.5 * dt_ * rate.density, rate, k);
+      r.density = held(r.density + 0.5 * dt_ * rate.density, rate, k, 0);
     });
     for_walls([this](Row& r, Row& start, double rate) {
       start.density = r.density, r.density += 0.5 * dt_ * rate;
@@ -49,7 +50,7 @@ class SphStep {
       }
       const double eps = -dt_ * rate.density / r.density;
       r.place(start.position() + 0.5 * dt_ * (start.velocity() + v) + shift_of(rate, norm(v)));
-      r.move(v), r.density = held(start.density * (2 - eps) / (2 + eps), rate, k);
+      r.move(v), r.density = held(start.density * (2 - eps) / (2 + eps), rate, k, dt_);
     });
     for_walls([this](Row& r, const Row& start, double rate) {
       const double eps = -dt_ * rate / r.density;
@@ -73,7 +74,7 @@ class SphStep {
       const Vec3d v = r.velocity(), &a = rate.acceleration;
       r.place(r.position() + dt_ * v + 0.5 * dt_ * dt_ * a + shift_of(rate, norm(v)));
       r.move(from.velocity() + span * a);
-      r.density = held(from.density + span * rate.density, rate, k);
+      r.density = held(from.density + span * rate.density, rate, k, span);
     });
     for_walls([&](Row& r, Row& start, double rate) {
       const double from = restart ? r.density : start.density;
@@ -88,15 +89,27 @@ class SphStep {
   static constexpr bool averaged = Core::Grains::averaged;
   static constexpr double longest_shift = 0.05;  // [-] of the spacing
 
-  /// Removes tension at a particle with few neighbours. Its density, which depends only on these,
-  /// would drift, in spray below zero. Applied where div r is below 0.4 of its value inside; a flat
-  /// surface has more than half. Known only with shifting.
-  double held(double density, [[maybe_unused]] const SphRates& rate,
-              [[maybe_unused]] std::size_t k) const {
+  /// Removes tension at a particle with few neighbours, and pressure in spray.
+  ///
+  /// Tension: the density of such a particle depends only on its few neighbours and would drift, in
+  /// spray below zero. Applied where div r is below 0.4 of its value inside; a flat surface has
+  /// more than half. Pressure: see sph_spray_loss (volume.hpp). It acts over `span` [s], once a
+  /// step and at its end, where the energy ledger accounts for it.
+  ///
+  /// Both need the fullness of the kernel, which is known with shifting, UnresolvedGrains or
+  /// RestoredVolume.
+  double held(double density, [[maybe_unused]] const SphRates& rate, [[maybe_unused]] std::size_t k,
+              [[maybe_unused]] double span) const {
     if constexpr (Core::Book::kept) core_.book.unheld[k] = density;
-    if constexpr (Core::Shift::shifts || averaged)
-      if (rate.divergence < 0.4 * core_.setup.dimensions)
-        return std::max(density, core_.liquid.density);
+    if constexpr (Core::Shift::shifts || Core::asks_fullness) {
+      const double rest = core_.liquid.density;
+      if (rate.divergence < 0.4 * core_.setup.dimensions) density = std::max(density, rest);
+      if (density > rest && rate.divergence < 0.7 * core_.full)
+        density = std::max(
+            density * (1 - span * sph_spray_loss(rate.slope, rate.divergence / core_.full,
+                                                 core_.setup.h(), core_.liquid.sound_speed)),
+            rest);
+    }
     return density;
   }
   /// update(row, its particle, its state at the start, rates) for each liquid particle.

@@ -21,6 +21,8 @@ def values_of(frame: Frame, colour: Optional[str], more: Optional[Frame] = None)
     the same particles, by id, for fields that `frame` does not have."""
     if colour is None:
         return np.zeros(len(frame)), ""
+    if colour == "rank" and "rank" not in frame and frame.ranks > 1:  # who wrote what, which no file has
+        return frame.rank, "rank"
     if more is not None and colour not in ("x", "y", "z") and _base(colour) not in frame \
             and _base(colour) in more and "id" in frame:
         at = more.find(frame.ids)

@@ -140,8 +140,8 @@ def draw_curves(options):
             if axis.get_scale() == "log":
                 label_few_decades(axis, low_high)
         in_brackets = f"[{unit}]" if unit else ""
-        panel.set_ylabel(options.y_label or (mine[0] if len(mine) == 1 else in_brackets),
-                         fontsize=12)
+        words = options.y_label or (mine[0] if len(mine) == 1 else "")
+        panel.set_ylabel(words if "[" in words else f"{words} {in_brackets}".strip(), fontsize=12)
         panel.grid(True, color="0.88", lw=0.8)
         panel.set_axisbelow(True)
         panel.spines[["top", "right"]].set_visible(False)

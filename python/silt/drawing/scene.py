@@ -214,7 +214,7 @@ class Scene:
     def _has_colour(self, frame: Frame) -> bool:
         colour, more = self.options.colour, true_shape(frame)[1]
         bare = colour.strip("|") if colour[-2:-1] != "." else colour[:-2]
-        return colour in ("x", "y", "z") or any(name in one for name in (colour, bare)
+        return colour in ("x", "y", "z") or colour == "rank" and frame.ranks > 1 or any(name in one for name in (colour, bare)
                                                 for one in (frame, more) if one is not None)
 
     def _take(self, out: Layers, frame: Frame) -> None:
@@ -295,7 +295,8 @@ class Scene:
         if len(set(len(s) for s in self.series)) == 1 and len(self.series[0]) == 1:
             files = [os.fspath(f) for f in self.options.files]  # as the user knows them
         titles = captions(self.options.title, files, [self.series[k].times[n] for k, n in shots])
-        save(self.figure(panels, extent, titles), out)
+        figure = self.figure(panels, extent, titles)
+        save(figure, out, self._dpi(figure.get_figwidth()))
 
     def _load(self, shots: Sequence[tuple[int, int]]) -> tuple[list[Layers], Extent]:
         panels, extent = [self.layers(k, n) for k, n in shots], Extent()
@@ -308,6 +309,10 @@ class Scene:
             for layers in panels:
                 extent.fit(layers, camera)
         return panels, extent
+
+    def _dpi(self, inches: float) -> float:
+        """Pixels an inch of a picture as wide as that."""
+        return self.options.width / inches if self.options.width else DPI
 
     def figure(self, panels: Sequence[Layers], extent: Extent, titles: Sequence[str]):
         """The sheet of all panels, with its colour bars."""
@@ -337,7 +342,7 @@ class Scene:
         sheet = Sheet(titles, (bounds[1] - bounds[0]) / (bounds[3] - bounds[2]), len(bars))
         figure = plt.figure(figsize=(sheet.width, sheet.height))
         for k, (layers, title) in enumerate(zip(panels, titles)):
-            canvas = camera.canvas(max(1, round(sheet.panel_width * DPI)))
+            canvas = camera.canvas(max(1, round(sheet.panel_width * self._dpi(sheet.width))))
             paint(canvas, layers, scales, options)
             panel = figure.add_axes(sheet.panel(k))
             panel.imshow(canvas.picture(), interpolation="none", aspect="auto", extent=bounds)
@@ -544,6 +549,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--slab", metavar="y=0.04,0.06", help="only bodies and contacts between these places [m]")
     parser.add_argument("--title", nargs="+", metavar="T", help="a caption for each panel (its time, if it is of a series)")
     parser.add_argument("--bounds", metavar="XMIN,XMAX,ZMIN,ZMAX", help="what the picture shows, across and upwards [m]")
+    parser.add_argument("--width", type=int, metavar="PIXELS", help="of the picture (150 an inch, at most 1950)")
     parser.add_argument("--every", type=int, default=1, metavar="N", help="of a movie, each N-th frame")
     parser.add_argument("--fps", type=float, default=10, metavar="N", help="of a movie, frames a second (10)")
 
@@ -554,6 +560,8 @@ def run(options: argparse.Namespace) -> None:
 
     if options.every < 1 or not options.fps > 0:
         raise Error(f"--every {options.every} must be at least 1, and --fps {options.fps:g} above 0")
+    if options.width is not None and not 100 <= options.width <= 20000:
+        raise Error(f"--width {options.width} must be a number of pixels from 100 to 20000")
     scene = Scene(options)
     if is_movie(options.out):
         scene.draw_movie(options.out)

@@ -92,8 +92,9 @@ struct SyamlalOBrien {
     const double s = 2 * wanted / (4.8 + std::sqrt(4.8 * 4.8 + 4 * a * wanted));
     const double V_r = 1 / (s * s), A = std::pow(eps, 4.14);
     const double B = V_r + V_r * (V_r - A) / (0.06 * Re_i);
-    require(B > 0, "SyamlalOBrien::calibrated: a bed of voidage ", eps, " that is borne at ",
-            bed.velocity, " m/s has more drag (Fhat = ", bed.normalised_drag(),
+    require(B > 0, "SyamlalOBrien::calibrated: a bed of void fraction ", eps,
+            " that is fluidised at ", bed.velocity,
+            " m/s has more drag (Fhat = ", bed.normalised_drag(),
             ") than any c1 gives; check its voidage, diameter and velocity");
     const double c1 = B / std::pow(eps, 1.28);
     return {c1, 1.28 + std::log(c1) / std::log(0.85)};

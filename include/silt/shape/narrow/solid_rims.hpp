@@ -3,11 +3,11 @@
 
 #include <silt/shape/narrow/solid_edges.hpp>
 
-/// Convex bodies at the rims of cylinders and cones: for solid_walls.hpp.
+/// Contacts of convex bodies with the rims of cylinders and cones. Used by solid_walls.hpp.
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Features of contacts with a rim: this plus 0 at `from`, 1 at `to`.
+/// Feature of a contact with a rim: this number, plus 0 at `from` or 1 at `to`.
 inline constexpr std::uint32_t rim_feature = 1000;
 inline bool is_rim(const SolidContact& c) { return c.feature >= rim_feature; }
 
@@ -16,7 +16,7 @@ struct Rim {
   const RoundWall& wall;
   Vec3d centre;    // [m]
   double radius;   // [m]
-  double inwards;  // +1 at `from`, -1 at `to`: the surface goes on along inwards axis
+  double inwards;  // +1 at `from`, -1 at `to`: the surface extends along inwards axis
   double free;     // +1 if the free side is away from the axis, else -1
 
   Rim(const RoundWall& of, bool at_to, double free_side)
@@ -29,20 +29,20 @@ struct Rim {
   Vec3d at(const Vec3d& e) const { return centre + radius * e; }
   Vec3d tangent(const Vec3d& e) const { return cross(wall.axis, e); }
 
-  /// Sine of the angle between a contact's normal and the surface that begins at e, > 0 where the
-  /// surface rises above the plane across the normal and touches itself. Behind the surface, which
-  /// has one side, as for spheres: by the height of the end.
+  /// Sine of the angle between a contact's normal and the surface that begins at e. > 0 where the
+  /// surface rises above the plane normal to n, so that the surface itself touches. Behind
+  /// the surface, which has one side as for spheres: the component of n along the axis.
   double under_surface(const Vec3d& n, const Vec3d& e) const {
     const double along = inwards * dot(n, wall.axis);
     if (free * dot(n, wall.normal(e)) < 0) return along;
     return wall.n_r * along - inwards * wall.n_z * dot(n, e);
   }
-  /// Whether a ball about the centre of the body reaches the rim.
+  /// Whether a ball around the body's centre reaches the rim.
   bool is_near(const Vec3d& body, double bound) const {
     const double z = dot(body - centre, wall.axis), across = wall.to_centre - radius;
     return z * z + across * across < bound * bound;
   }
-  /// Half the range of phi around the body's within `bound` of its centre; < 0: none is.
+  /// Half the range of phi within `bound` of the body's centre, around its own phi; < 0: empty.
   double half_range(const Vec3d& body, double bound) const {
     const double z = dot(body - centre, wall.axis), rho = wall.to_centre;
     const double square = z * z + (rho - radius) * (rho - radius);
@@ -59,7 +59,7 @@ struct Rim {
   }
 };
 
-/// Where between two angles a function begins to be level, as it is at the second.
+/// Angle between `from` and `level` at which the slope becomes zero; it is zero at `level`.
 template <class Probe>
 double where_level(const Probe& probe, double from, double level) {
   for (int k = 0; k < 50; ++k) {
@@ -69,12 +69,12 @@ double where_level(const Probe& probe, double from, double level) {
   return level;
 }
 
-/// Calls refine(low, high) for all intervals between samples within which a function of phi turns
-/// from rising to falling; probe(phi) has its `slope`, 0 where it drowns in rounding. Once if the
-/// function is the same all around: then any place will do.
+/// Calls refine(low, high) for each interval between samples in which a function of phi changes
+/// from rising to falling. probe(phi) returns its `slope`, 0 if below rounding errors. If the
+/// function is constant around the whole rim, refine is called once, at phi = 0.
 template <class Probe, class Refine>
 void for_each_peak(double half, const Probe& probe, const Refine& refine) {
-  // A depth is concave along a line: it takes a bent arc for a second peak.
+  // The depth is concave along a line: a second peak needs a curved arc.
   const int parts = std::clamp(static_cast<int>(std::ceil(half / 0.05)), 6, 48) * 2;
   const auto angle = [&](int k) { return -half + 2 * half * k / parts; };
   auto low = probe(-half);
@@ -82,7 +82,7 @@ void for_each_peak(double half, const Probe& probe, const Refine& refine) {
   for (int k = 1; k <= parts; ++k) {
     auto high = probe(angle(k));
     level &= high.slope == 0;
-    if (low.slope > 0 && high.slope == 0) {  // as high up to a place where it falls: the middle
+    if (low.slope > 0 && high.slope == 0) {  // a plateau, then a fall: its middle
       auto last = high;
       while (k < parts && high.slope == 0) last = high, high = probe(angle(++k));
       if (high.slope < 0) {
@@ -99,12 +99,12 @@ void for_each_peak(double half, const Probe& probe, const Refine& refine) {
   if (level) refine(probe(0), probe(0));
 }
 
-/// Newton's method for the place of the rim and the direction m, across it and outward of the body,
-/// whose support point is right behind the place: with r from the place to the support point, K the
-/// radii of curvature along t and w = m x t,
+/// Newton's method for a point of the rim and a direction m, normal to the rim and outward of the
+/// body, such that the support point along m lies straight behind the point. With r from the point
+/// of the rim to the support point, K the radii of curvature along t and w = m x t:
 ///   r . t = 0,  r . w = 0;  overlap = r . m.                                                  (1)
-/// Both are derivatives of h(m) - m . (place - centre): the overlap is stationary, so that its own
-/// derivative by the body's motion is the normal.
+/// Both are derivatives of h(m) - m . (point - centre): the overlap is stationary, hence its
+/// derivative with respect to the body's position is the normal.
 template <class Form>
 std::optional<SolidContact> rim_contact(const Rim& rim, const PlacedSuper<Form>& body, double phi) {
   const auto& wall = rim.wall;
@@ -136,8 +136,8 @@ std::optional<SolidContact> rim_contact(const Rim& rim, const PlacedSuper<Form>&
     // dm = c t dphi + w dpsi, dt = -e dphi, dw = -s t dphi - m dpsi, dp = radius t dphi
     const double a = cap.radii.xx * c - rim.radius - dot(r, e), b = cap.radii.xy;
     const double d = cap.radii.xy * c - s * along_t, f = cap.radii.yy - depth;
-    // Of the right kind: the shortest way out (f > 0), and deepest along the rim with it (the
-    // curvature of the depth along the rim, m free to follow, < 0). A flat face has a > 0 there.
+    // The right kind of stationary point: the shortest way out (f > 0), and the deepest along the
+    // rim (curvature of the depth along the rim, with the best m, < 0). A flat face has a > 0.
     const double ff = std::max(f, 1e-6 * bound);
     const double reduced = std::min(a - b * d / ff, -1e-3 * bound);
     const double limit = 0.2, along = -(along_t - b * along_w / ff) / reduced,
@@ -147,14 +147,14 @@ std::optional<SolidContact> rim_contact(const Rim& rim, const PlacedSuper<Form>&
     const double part = size > limit ? limit / size : 1;
     phi += part * along, psi += part * turn;
   }
-  // Deeper than the radii of curvature.
+  // No convergence, deeper than the radii of curvature: the way out at the first phi.
   e = wall.e(first), m = way_out(body, rim.at(e), rim.tangent(e));
   const double depth = dot(m, body.support(m) - rim.at(e));
   if (!(depth > 0) || rim.under_surface(-m, e) > 0) return {};
   return rim.contact(rim.at(e), -m, depth, contact_radius_at(body, m));
 }
 
-/// A cone's tip.
+/// Contact with the tip of a cone.
 template <class Form>
 std::optional<SolidContact> tip_contact(const Rim& rim, const PlacedSuper<Form>& body) {
   const auto found = point_depth(body, rim.centre);
@@ -163,7 +163,7 @@ std::optional<SolidContact> tip_contact(const Rim& rim, const PlacedSuper<Form>&
                      contact_radius_at(body, -found->normal));
 }
 
-/// Of a smooth body: from where its gauge is least along the rim.
+/// Contacts of a smooth body: the search begins at the minima of its gauge along the rim.
 template <class Form>
 void rim_contacts(const Rim& rim, const PlacedSuper<Form>& body, double, bool,
                   DeepestContacts& deepest) {
@@ -192,18 +192,18 @@ void rim_contacts(const Rim& rim, const PlacedSuper<Form>& body, double, bool,
   });
 }
 
-/// A place of the rim in a polyhedron.
+/// A point of the rim inside a polyhedron.
 struct RimDepth {
-  double phi, depth;  // [m] below the surface, the dilated one's
-  double slope;       // [m] by phi
-  Vec3d out;          // [-] the way out, in the body's frame
+  double phi, depth;  // [m] below the dilated surface
+  double slope;       // [m] derivative with respect to phi
+  Vec3d out;          // [-] direction of the shortest way out, in the body's frame
 };
 
-/// A body that lies along the wall still lies on the rim as its far end has passed it, be it tilted
-/// either way by as much [-].
+/// A body lying along the wall also lies on the rim, once its far end has passed it, up to this
+/// tilt in either direction [-].
 inline constexpr double most_tilt = 0.1;
 
-/// All of the rim as a polyhedron sees it.
+/// Depth of the points of a rim in a polyhedron, as a function of phi.
 class RimInPolyhedron {
  public:
   RimInPolyhedron(const Rim& rim, const PlacedPolyhedron& body, double ahead)
@@ -235,14 +235,14 @@ class RimInPolyhedron {
     return out;
   }
 
-  /// Whether a place is still in the core after a move of the body by `by`, in space.
+  /// Whether a point of the rim is still in the core after a translation of the body by `by`.
   bool stays_in(double phi, const Vec3d& by) const {
     const Vec3d p = centre_ + rim_.radius * (std::cos(phi) * x_ + std::sin(phi) * y_) -
                     body_.pose.turn.back(by);
     return std::all_of(core_.faces().begin(), core_.faces().end(),
                        [&](const auto& face) { return dot(face.normal, p) < face.offset; });
   }
-  /// Whether a corner of the core is what is nearest.
+  /// Whether a corner of the core is nearest to the contact.
   bool by_corner(const SolidContact& c) const {
     const double r = core_.radius();
     const Vec3d near = body_.pose.to_body(c.point + (r - 0.5 * c.overlap) * c.normal);
@@ -252,8 +252,8 @@ class RimInPolyhedron {
                                 [&](const Vec3d& v) { return norm(v - near) < tie; });
   }
 
-  /// The highest place between one that rises and one that does not. Of a sharp body a depth is the
-  /// least of as many waves as there are faces: where those of both ends meet.
+  /// The deepest point between one with a rising depth and one without. In a sharp body the depth
+  /// is the minimum of one wave per face: the peak is where the waves of the two ends meet.
   std::optional<SolidContact> peak(RimDepth low, RimDepth high) const {
     const bool sharp = !(core_.radius() > 0);
     for (int k = 0; k < 100 && high.phi - low.phi > 1e-15; ++k) {
@@ -282,15 +282,15 @@ class RimInPolyhedron {
   }
 
  private:
-  /// [m] of p below a face. One that looks out over the end of the wall counts as farther ahead by
-  /// `ahead`, as much as corners near it are deep: what follows them touches at once.
+  /// Depth of p below a face [m]. A face that points out over the wall's end counts as farther out
+  /// by `ahead`, the depth of the corners near it: the next part of the body touches at once.
   double depth_in(const Polyhedron::Face& face, const Vec3d& p) const {
     const double d = face.offset - dot(face.normal, p);
     return ahead_ > 0 && dot(face.normal, inwards_) < -most_tilt ? d + ahead_ : d;
   }
 
-  /// At a face the way out is its normal. Between two, whose ways out both count, it is that of
-  /// the edge in which they meet.
+  /// At a face the way out is its normal. Between two faces with equal depths it is the way to
+  /// their common edge.
   std::optional<SolidContact> contact(const RimDepth& low, const RimDepth& high) const {
     const double fall = low.slope - high.slope;
     const bool between = high.slope != 0 && fall > 0;
@@ -300,7 +300,7 @@ class RimInPolyhedron {
     double phi = between ? 0.5 * (low.phi + high.phi) : high.phi;
     Vec3d out = share * low.out + (1 - share) * high.out;
     const double length = norm(out);
-    if (!(length > 0.1)) return {};  // two faces that look away from each other
+    if (!(length > 0.1)) return {};  // two faces with opposite normals
     out *= 1 / length;
     double depth = below / length;
     if (between && !(core_.radius() > 0)) meet_edge(low.out, high.out, below, phi, depth, out);
@@ -308,7 +308,7 @@ class RimInPolyhedron {
                         core_.equal_volume_radius());
   }
 
-  /// The shortest way from the rim to the edge of two faces that a place is as deep below.
+  /// The shortest way from the rim to the common edge of two faces of equal depth.
   void meet_edge(const Vec3d& one, const Vec3d& other, double below, double& phi, double& depth,
                  Vec3d& out) const {
     const Vec3d along = cross(one, other);
@@ -345,7 +345,7 @@ class RimInPolyhedron {
   double ahead_;
 };
 
-/// `alone`: no place of the surface touches.
+/// `alone`: no point of the surface touches.
 inline void rim_contacts(const Rim& rim, const PlacedPolyhedron& body, double ahead, bool alone,
                          DeepestContacts& deepest) {
   const double half = rim.half_range(body.pose.position, bound_of(body));
@@ -355,7 +355,7 @@ inline void rim_contacts(const Rim& rim, const PlacedPolyhedron& body, double ah
     const auto found = depth.peak(low, high);
     if (!found) return;
     const double under = rim.under_surface(found->normal, rim.wall.e(high.phi));
-    // Outside, what lies along the wall touches it as a whole.
+    // Outside, a face or edge along the wall touches the surface, not the rim.
     double most = most_tilt;
     if (rim.free > 0 && !alone) most = -1e-9;
     if (rim.free < 0 && depth.by_corner(*found)) most = 0;

@@ -6,22 +6,23 @@
 
 #include <silt/shape/narrow/solid_planes.hpp>
 
-/// Searches over the one angle that the normals of a cylinder or cone depend on: for
+/// Searches over the angle phi that determines the normals of a cylinder or cone. Used by
 /// solid_walls.hpp.
 
 namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// The lateral surface of a cylinder or cone, extended without end, as seen by a body: all points
-/// with N(phi) . (p - from) = n_r radius for one phi. N is the normal away from the axis,
+/// The lateral surface of a cylinder or cone, extended without end, in a frame that points to the
+/// body: all points with N(phi) . (p - from) = n_r radius for one phi. N is the normal away from
+/// the axis,
 ///   N(phi) = n_r e(phi) + n_z axis,  N' = n_r e',  N'' = -n_r e,  e = x cos phi + y sin phi. (1)
 struct RoundWall {
   Vec3d from, axis;
-  Vec3d x, y;             // across the axis; x towards the centre of the body
+  Vec3d x, y;             // normal to the axis; x towards the centre of the body
   double length, radius;  // [m] of the axis; of the surface at `from`
   double n_r, n_z;        // [-]
-  double to_centre;       // [m] of the body from the axis
+  double to_centre;       // [m] distance of the body's centre from the axis
   double offset;          // [m] n_r radius
 
   RoundWall(const Vec3d& a, const Vec3d& b, double radius_a, double radius_b, const Vec3d& centre)
@@ -39,7 +40,7 @@ struct RoundWall {
     y = cross(axis, x);
   }
 
-  /// An edge: a cylinder without a radius, seen from along unit x. `distance` of the body's centre.
+  /// An edge: a cylinder of radius 0. `towards`: unit x; `distance`: of the body's centre.
   RoundWall(const Vec3d& start, const Vec3d& direction, double edge, const Vec3d& towards,
             double distance)
       : from(start), axis(direction), x(towards), y(cross(direction, towards)), length(edge) {
@@ -48,9 +49,9 @@ struct RoundWall {
 
   Vec3d e(double phi) const { return std::cos(phi) * x + std::sin(phi) * y; }
   Vec3d normal(const Vec3d& e) const { return n_r * e + n_z * axis; }
-  /// [m] of p - from outwards of the surface.
+  /// Distance of a point outwards of the surface [m]; p from `from`.
   double beyond(const Vec3d& p, const Vec3d& normal) const { return dot(p, normal) - offset; }
-  /// Whether the foot of p - from on the surface lies between its ends: [m] along the slant.
+  /// Position of the foot of p on the surface, along the slant [m]; 0 to slant(): between the ends.
   double along(const Vec3d& p, const Vec3d& e) const {
     return n_r * dot(p, axis) - n_z * (dot(p, e) - radius);
   }
@@ -59,7 +60,7 @@ struct RoundWall {
     const double u = along(p, e);
     return u >= 0 && u <= slant();
   }
-  /// Whether a ball about the body's centre can have a contact, on the inner or outer side.
+  /// Whether a ball around the body's centre can touch the surface, on its inner or outer side.
   bool in_reach(const Vec3d& centre, double bound, bool inner) const {
     const double beyond_centre = beyond(centre - from, normal(x)), u = along(centre - from, x);
     return (inner ? beyond_centre > -bound : beyond_centre < bound) && u > -bound &&
@@ -67,12 +68,12 @@ struct RoundWall {
   }
 };
 
-/// The point of a body whose outward normal is N(phi) or, outside of the wall, -N(phi).
+/// The support point of a body along N(phi) or, outside the wall, along -N(phi).
 struct RoundSupport {
   double phi;
   Vec3d e, p;       // p: from `from`
   double beyond;    // [m] outwards of the surface
-  double slope;     // [m] its derivative by phi: N' . p
+  double slope;     // [m] derivative of `beyond` with respect to phi: N' . p
   double weight;    // [m] w of (2)
   double radius_t;  // [m] radius of curvature around the axis, times n_r^2
 };
@@ -92,8 +93,8 @@ RoundSupport support_at(const RoundWall& wall, const PlacedSuper<Form>& body, do
           wall.n_r * wall.n_r * cap.radii.xx};
 }
 
-/// Where the slope is 0 between two angles, falling if `falling`; the slope's signs there are
-/// known. Newton's method, kept between them, halving where the slope does not get less.
+/// Zero of the slope between two angles at which its signs differ. Newton's method within the
+/// interval, with bisection where the slope does not decrease enough.
 template <class Form>
 RoundSupport turning_point(const RoundWall& wall, const PlacedSuper<Form>& body, double low,
                            double high, double start, double sign) {
@@ -101,7 +102,7 @@ RoundSupport turning_point(const RoundWall& wall, const PlacedSuper<Form>& body,
   auto at = support_at(wall, body, start, sign);
   double last = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 80 && std::abs(at.slope) > tolerance; ++k) {
-    if (sign < 0 && at.beyond >= 0) break;  // parted
+    if (sign < 0 && at.beyond >= 0) break;  // separated
     (at.slope > 0 ? low : high) = at.phi;
     const double curve = sign * at.radius_t - at.weight;
     double next = curve < 0 ? at.phi - at.slope / curve : high + 1;
@@ -114,15 +115,15 @@ RoundSupport turning_point(const RoundWall& wall, const PlacedSuper<Form>& body,
   return at;
 }
 
-/// All local maxima over phi of how far a smooth body reaches beyond the surface, D(phi): the
-/// deepest places inside a concave wall.
+/// All local maxima over phi of the distance D(phi) by which a smooth body extends beyond the
+/// surface: the deepest contacts inside a concave wall.
 ///
 ///   D = N . p - n_r radius,  D' = N' . p,  D'' = T - w,  w = n_r e . p                       (2)
 ///
-/// with T the body's radius of curvature. Intervals are halved until the sum of T over one, known
-/// from D' and w at its ends, shows that D' does not rise where it could matter, that D' falls or
-/// rises all over it, or that D < 0: an edge or corner takes few, a face that turns to the wall
-/// some ten. Maxima nearer to each other than 1 % of the body count as one.
+/// with T the body's radius of curvature. Intervals are halved until the integral of T over one,
+/// obtained from D' and w at its ends, shows that D' has no relevant rise, that D' falls or rises
+/// throughout, or that D < 0. An edge or corner takes few halvings, a face parallel to the wall
+/// about ten. Maxima closer to each other than 1 % of the body count as one.
 template <class Form>
 class InnerMaxima {
  public:
@@ -141,7 +142,7 @@ class InnerMaxima {
       search(low, high, 0);
       low = high;
     }
-    // A body of revolution about the wall's axis is as deep everywhere: one place will do.
+    // A body of revolution about the wall's axis is equally deep everywhere: one point is enough.
     if (count_ == 0 && least <= -1 && best_.beyond > 0 && std::abs(best_.slope) <= 1e-9 * bound)
       found_[count_++] = best_;
   }
@@ -154,14 +155,14 @@ class InnerMaxima {
 
   void search(const RoundSupport& a, const RoundSupport& b, int halved) {
     const double width = b.phi - a.phi, bound = body_.form.bound;
-    // N in between is a sum of both ends', weights together at most 1/cos(width/2).
+    // N in between combines the N at both ends; the sum of weights is at most 1/cos(width/2).
     const double stretch = 1 / std::cos(0.5 * width);
     const double highest = std::max(a.beyond, b.beyond) + offset_;
     if (highest * (highest > 0 ? stretch : 1) + std::abs(wall_.n_z) * bound * (stretch - 1) <=
         offset_)
       return;
     const double w = std::max(a.weight, b.weight), mean_w = 0.5 * (a.weight + b.weight);
-    // How much D' rises by curvature, with the change of w known from its own slope.
+    // Rise of D' by curvature; the change of w follows from its slope.
     const double rise =
         std::max(0.0, b.slope - a.slope + width * (mean_w + width / 12 * (a.slope - b.slope)));
     if (a.slope <= 0 && a.slope + rise <= 0) return;
@@ -192,19 +193,20 @@ class InnerMaxima {
 
   const RoundWall& wall_;
   const PlacedSuper<Form>& body_;
-  double offset_;  // [m] radius of the surface at the body's centre times n_r
+  double offset_;  // [m] n_r times the radius of the surface at the body's centre
   RoundSupport best_{};
   std::array<RoundSupport, most> found_;
   int count_ = 0;
 };
 
-/// Half the range of phi in which the nearest place of a body outside must lie.
+/// Half the range of phi that contains the nearest point of a body outside.
 inline double outer_range(const RoundWall& wall, double bound) {
   return wall.to_centre > bound ? std::asin(bound / wall.to_centre) : 0.5 * std::numbers::pi;
 }
 
-/// The angle phi at which the lowest corner of a core stands highest over the surface: the largest
-/// over phi of the least N . p, each corner's a wave, concave where it counts.
+/// The angle phi at which the lowest corner of a core is highest above the surface: maximum over
+/// phi of the minimum over corners of N . p. Each corner gives a wave, concave in the relevant
+/// range.
 class OuterAngle {
  public:
   OuterAngle(const RoundWall& wall, const PlacedPolyhedron& body)
@@ -217,7 +219,7 @@ class OuterAngle {
       const Vec3d e = wall.e(phi_), N = wall.normal(e);
       const Vec3d p = body.support(-N) - wall.from;
       beyond_ = wall.beyond(p, N);
-      if (beyond_ >= body.shape->radius()) return;  // this plane parts them
+      if (beyond_ >= body.shape->radius()) return;  // this plane separates them
       if (k > 0 && dot(N, p) >= expected_ - rounding) return;
       if (dot(p, cross(wall.axis, e)) > 0)
         low_ = phi_, p_low_ = p, has_low_ = true;
@@ -239,7 +241,7 @@ class OuterAngle {
     expected_ = std::numeric_limits<double>::infinity();
     return 0.5 * (low_ + high_);
   }
-  /// The best angle for the two corners of the ends, and how high the lower of them stands there.
+  /// The best angle for the corners of the two ends; sets `expected_`, the height of the lower one.
   double best_between() {
     double phi;
     if (!has_low_ || !has_high_) {
@@ -254,7 +256,7 @@ class OuterAngle {
         -wall_.n_z * dot(d, wall_.axis) / (wall_.n_r * std::hypot(along_x, along_y));
     const double middle = std::atan2(along_y, along_x),
                  half = std::acos(std::clamp(share, -1., 1.));
-    // d stands higher before the tie and lower after: the tie is behind the peak of its wave.
+    // d is higher before the tie and lower after it: the tie is behind the peak of its wave.
     phi = std::remainder(middle + half, 2 * std::numbers::pi);
     const double peak_low = angle_of(p_low_), peak_high = angle_of(p_high_);
     if (peak_low < phi)
@@ -272,13 +274,13 @@ class OuterAngle {
   double phi_ = 0, beyond_ = 0, expected_ = 0;
 };
 
-/// The line along the wall that a core touches at the angle of e: a point, or part of a face or
-/// edge.
+/// The range along the wall's line at the angle of e that a core touches: a point, or part of a
+/// face or edge.
 struct TouchingLine {
   double low = std::numeric_limits<double>::infinity();  // [m] along the slant
   double high = -std::numeric_limits<double>::infinity();
 };
-/// Of the corners that are as low as `beyond`, to rounding, what lies over the line.
+/// From the corners that are as low as `beyond`, within rounding: their hull's range on the line.
 inline TouchingLine touching_line(const RoundWall& wall, const PlacedPolyhedron& body,
                                   const Vec3d& e, double beyond) {
   const Vec3d N = wall.normal(e), across = cross(wall.axis, e);
