@@ -2,7 +2,7 @@
 //
 // Friction from an angle of repose. Heaps are simulated until the friction is found with which the
 // angle is that of a measured heap, in few runs. What counts as measured are heaps with a friction
-// of 0.2: the calibration has to find it again, and prints it with its interval.
+// of 0.35: the calibration has to find it again, and prints it with its interval.
 //
 // picture: calibration/calibration.png
 
@@ -50,8 +50,8 @@ double angle_of_heap(double friction, std::uint64_t seed) {
 }
 
 int main() {
-  const double planted = 0.2;  // [-]
-  double measured = 0;         // [degrees]
+  const double planted = 0.35;  // [-]
+  double measured = 0;          // [degrees]
   for (const std::uint64_t seed : {101, 102, 103, 104})
     measured += angle_of_heap(planted, seed) / 4;
 

@@ -1,10 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 //
 // A bed of beads is fluidised. Air blows through the bed faster and faster: its pressure drop rises
-// until the air bears the beads, then bubbles come; the program prints the velocity at which that
-// happens, beside Ergun's.
+// until the air bears the beads; then it lifts them, and voids rise through the bed. The program
+// prints the velocity at which the air bears the bed, beside Ergun's.
 //
-// picture: draw coupled_bed/particles.pvd --colour velocity --time 0.2 0.45 0.55 0.65 0.75 --width 1200 -o coupled_bed.png
+// picture: draw coupled_bed/particles.pvd --colour velocity --time 0.45 0.65 0.7 0.75 --width 1200 -o coupled_bed.png
 // picture: curves coupled_bed/pressure.csv --x velocity --y pressure,weight --y-label pressure -o coupled_bed_pressure.png
 
 #include <algorithm>

@@ -372,10 +372,10 @@ TEST_CASE("observers: files that cannot be written are named, with the reason") 
   std::fclose(std::fopen((folder / "file").c_str(), "w"));
   CHECK(has_words(refusal<silt::FileError>(
                       [&] { sim.run(1e-4, silt::checkpoints(folder / "file/c", every(1e-4))); }),
-                  {"file' cannot be made", "is a file"}));
+                  {"file' cannot be created", "is a file"}));
   CHECK(has_words(refusal<silt::FileError>(
                       [&] { sim.run(1e-4, silt::vtk_series(folder / "file", every(1e-4))); }),
-                  {"file' cannot be made", "is a file"}));
+                  {"file' cannot be created", "is a file"}));
 }
 
 TEST_CASE(

@@ -199,7 +199,7 @@ struct SphCore {
   void make_room_for_bodies() {
     take_out([this](const Vec3d& x) { return body_at(x).has_value(); });
   }
-  /// The body in which a place lies, counted from 0 in the order of ids.
+  /// Index of the body that contains a point, in the order of ids; empty: none.
   std::optional<std::size_t> body_at(const Vec3d& x) const {
     const auto& bodies = solids.bodies.bodies;
     for (std::size_t b = 0; b < bodies.size(); ++b) {

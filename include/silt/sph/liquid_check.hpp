@@ -31,7 +31,7 @@ std::string sph_what_is_wrong(const Core& core, const SphRow& r) {
     if (const auto body = core.body_at(x); body && *body < core.body_ids.size())
       return text(what, " has gone into body ", core.body_ids[*body], " at ",
                   core.solids.bodies.bodies[*body].centre, " m, with", is,
-                  "; take a smaller spacing, a larger alpha of the viscosity (0.1), or a slower "
+                  "; use a smaller spacing, a larger alpha of the viscosity (0.1), or a slower "
                   "body");
   const std::string beyond = text(what, " has", is, ", beyond ", core.least_density, " to ",
                                   core.most_density, " of ", core.liquid.density, " kg/m3; ");
