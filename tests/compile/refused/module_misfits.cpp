@@ -9,7 +9,7 @@
 // refused: a module with a flux has both `exchanged` and flux()
 // refused: a module's flux() does not fit
 // refused: a module's at_wall() does not fit
-// refused: the Fields of a module are doubles and silt::Vec3d alone
+// refused: the Fields of a module are only doubles and silt::Vec3d
 // refused: PolicyOfAnAxis<Pushed
 // refused: belongs to no axis
 #include "scene.hpp"

@@ -9,7 +9,7 @@
 // refused: a module's gap_reach() does not fit
 // refused: a module with pair_force() or pair_flux() needs either `double reach() const` or
 // refused: a module with reach() or gap_reach() needs pair_force() or pair_flux()
-// refused: the Fields of a module are doubles and silt::Vec3d alone
+// refused: the Fields of a module are only doubles and silt::Vec3d
 // refused: PairsFit<PushesToANumber>
 // refused: PairsFit<PushesWithTorque>
 // refused: PairsFit<PushesByFields>

@@ -124,7 +124,7 @@ template <class M>
 struct FieldNames {
   static constexpr std::size_t numbers = numbers_of_fields<M>;
   static_assert(sizeof(FieldsOf<M>) % sizeof(double) == 0 || !has_fields<M>,
-                "the Fields of a module are doubles and silt::Vec3d alone");
+                "the Fields of a module are only doubles and silt::Vec3d");
   static constexpr bool given = requires { M::names.size(); };
   static constexpr std::size_t count = [] {
     if constexpr (given)
