@@ -152,6 +152,17 @@ TEST_CASE("checkpoint: restarts of restarts give the same bits, and so does a se
   }
 }
 
+TEST_CASE("checkpoint: saving makes the folder, unless a file has its name") {
+  const Folder folder;
+  auto sim = mixed_scene();
+  save_checkpoint(sim, folder / "runs/first/c");
+  auto again = mixed_scene();
+  load_checkpoint(again, folder / "runs/first/c");
+  CHECK(again.step() == sim.step());
+  CHECK_THROWS_WITH_AS(save_checkpoint(sim, folder / "runs/first/c/under/c"),
+                       doctest::Contains("is a file"), silt::FileError);
+}
+
 TEST_CASE(
     "checkpoint: saved between a change of the scene and the next step it continues as well") {
   const Folder folder;

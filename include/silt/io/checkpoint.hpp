@@ -11,6 +11,7 @@
 #include <type_traits>
 #include <vector>
 
+#include <silt/files/atomic_file.hpp>
 #include <silt/files/checkpoint_file.hpp>
 #include <silt/io/checkpoint_bonds.hpp>
 #include <silt/io/checkpoint_breaks.hpp>
@@ -59,7 +60,7 @@ class Checkpoint {
     if constexpr (Sim::has_ranks)  // then all ranks know what users have changed
       const_cast<Sim&>(sim).share_edits(), save_blocks(sim, path);
     else
-      write(sim, path);
+      make_folder_of(path), write(sim, path);
   }
 
   static void load(Sim& sim, const std::string& path, const AcceptedChanges& accepted = {}) {
