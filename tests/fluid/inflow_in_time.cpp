@@ -239,9 +239,9 @@ TEST_CASE("inflows in time that cannot be are refused") {
     CAPTURE(said);
     CHECK(said.find(words) != std::string::npos);
   };
-  refuses({.velocity = {1, 0, 0}, .velocity_in_time = steady}, "give one of them");
-  refuses({.rate = 1e-5, .velocity_in_time = steady}, "give one of them");
-  refuses({.velocity_in_time = steady, .rate_in_time = one}, "give one of them");
+  refuses({.velocity = {1, 0, 0}, .velocity_in_time = steady}, "give only one");
+  refuses({.rate = 1e-5, .velocity_in_time = steady}, "give only one");
+  refuses({.velocity_in_time = steady, .rate_in_time = one}, "give only one");
   refuses({.rate = 1e-5, .rate_in_time = one}, "both rate and rate_in_time");
   refuses({.velocity = {-1, 0, 0}, .rate_in_time = one}, "reverse them");
   const auto nowhere = [](const Vec3d&) { return -1.0; };

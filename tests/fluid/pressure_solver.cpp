@@ -450,7 +450,7 @@ TEST_CASE("pressure_solver: what cannot be solved is said") {
   a.b(1, 2, 3) = std::numeric_limits<double>::infinity();
   const PressureSolution right = solver.solve(a.b, p, {}, team);
   CHECK_FALSE(right.converged);
-  CHECK(right.reason.find("right side") != std::string::npos);
+  CHECK(right.reason.find("right-hand side") != std::string::npos);
 
   const auto with = [&](CellField& field, double value) {
     const double kept = field(2, 3, 4);

@@ -271,7 +271,7 @@ TEST_CASE("what cannot be measured is refused before the first step") {
   found(run(silt::flow_profile(out.path, "line", {1, 0, 0}, {2, 0, 0}, 5, every(1e-3))),
         "no fluid on the line");
   found(run(silt::flow_average(out.path, every(1e-3), {.from = 1})), "not before the run's end");
-  found(run(silt::flow_average(out.path, every(1e-3), {.plane_across = 3})), "none of 0, 1, 2");
+  found(run(silt::flow_average(out.path, every(1e-3), {.plane_across = 3})), "is not 0, 1 or 2");
   found(
       run(silt::flow_probes(
           out / "p.csv", {{"a", {0.005, 0.005, 0.01}}, {"a", {0.005, 0.005, 0.02}}}, every(1e-3))),

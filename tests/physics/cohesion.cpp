@@ -318,7 +318,7 @@ TEST_CASE("cohesion: a range that would act through both faces of a repeating bo
   } catch (const InputError& error) {
     sentence = error.what();
   }
-  CHECK(sentence.find("PeriodicBox: the length") != std::string::npos);
+  CHECK(sentence.find("PeriodicBox: its length") != std::string::npos);
   CHECK(sentence.find("range 0.0011 m") != std::string::npos);
 }
 

@@ -112,7 +112,7 @@ TEST_CASE("Multi-spheres: what has no mass properties in doubles is refused, wit
     for (const char* w : words)
       CHECK_MESSAGE(said.find(w) != std::string::npos, w, " is not in: ", said);
   };
-  refused("0 0 0 1\n\n1e15 0 0 1\n", {path.c_str(), "line 3", "ball 1", "1e+15", "nearer"});
+  refused("0 0 0 1\n\n1e15 0 0 1\n", {path.c_str(), "line 3", "ball 1", "1e+15", "closer to the body"});
   refused("0 0 0 5e-324\n", {"line 1", "ball 0", "check its unit"});
   refused("0 0 0 1e60\n", {"line 1", "check its unit"});
   refused("0 0 0 -1\n", {"line 1", "radius of ball 0"});
