@@ -45,8 +45,7 @@ if name in ("lmp", "liggghts"):
     deck = open(words[words.index("-in") + 1]).read()
     skin = float(re.search(r"^neighbor (\S+)", deck, re.M)[1])
     seconds = 1 + abs(skin - 4e-4) * 1e3  # 0.4 mm is the fastest
-    seconds -= 0.1 * ("balance 500 1.02 rcb" in deck)  # LAMMPS' balancing pays, LIGGGHTS' does not
-    seconds += 0.1 * ("balance 500 x" in deck)
+    seconds -= 0.1 * ("balance 500 1.02 rcb" in deck)  # LAMMPS' balancing pays
     for _ in range(1 if wrong == "stops" else 2):
         print(f"Step Atoms KinEng\n   1 {N} 1e-6\nLoop time of {seconds} on 1 procs")
     dump(re.search(r"write_dump all custom (\S+)", deck)[1], 3 if wrong == "loosens" else 4.5)
