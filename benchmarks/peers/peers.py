@@ -100,7 +100,7 @@ BALANCE = {LAMMPS: ["", "comm_style tiled\nfix b all balance 500 1.02 rcb"], LIG
 
 def run_silt(program, cores, precision, folder, data, warmup, steps, tilt, ranks=False):
     end = os.path.join(folder, "silt.end")
-    values = codes.values_of(codes.run(
+    values = codes.result_of(codes.run(
         (codes.on_processes(cores) if ranks else []) + [program, "time", data, str(warmup), str(steps), str(cores), precision, end, tilt], folder))
     return values["seconds"], values["kinetic_energy"], end
 
@@ -232,10 +232,11 @@ def run_scene(a, folder, peers, silts, n, state, cores):
         skin, tried = codes.fastest(a.skins, lambda one: codes.run_deck(
             program, deck, folder, skin=one * 1e-3, balance="", **values)[0])
         values["skin"] = skin * 1e-3
-        balance, _ = codes.fastest(BALANCE[deck] if cores > 1 else [""], lambda one: codes.run_deck(
+        balance, balance_tried = codes.fastest(BALANCE[deck] if cores > 1 else [""], lambda one: codes.run_deck(
             program, deck, folder, balance=one, **values)[0])
         skins[name] = {"mm": skin, "seconds": {f"{k:g}": v for k, v in tried.items()},
-                       "balanced": balance != ""}
+                       "balanced": balance != "",
+                       "seconds_without_and_with_balancing": list(balance_tried.values())}
         runs[name] = timed(silt, codes.run_deck, program, deck, folder, balance=balance, **values)
     for label, program in silts:
         for precision in ("double", "mixed"):

@@ -68,5 +68,8 @@ int main() {
   std::printf("heaps of %.1f degrees: friction %.2f, from %.2f to %.2f\n", measured,
               friction.recommended, friction.low, friction.high);
   // Catches a calibration that ends elsewhere; heaps of 160 grains scatter by a degree or two.
-  return std::abs(friction.recommended - planted) < 0.12 && friction.low < planted + 0.05 ? 0 : 1;
+  return std::abs(friction.recommended - planted) < 0.12 && friction.low < planted + 0.05 &&
+                 friction.high > planted - 0.05
+             ? 0
+             : 1;
 }

@@ -56,5 +56,5 @@ int main() {
   std::printf("%zu beads after %.1f s; largest difference of places %g m, of velocities %g m/s\n",
               again.size(), again.time(), largest, speed);
   // Catches whatever a checkpoint forgets: springs of contacts, the drum's turn, the inlet's seed.
-  return again.size() == whole.size() && largest == 0 && speed == 0 ? 0 : 1;
+  return whole.size() > 1000 && again.size() == whole.size() && largest == 0 && speed == 0 ? 0 : 1;
 }

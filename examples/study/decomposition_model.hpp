@@ -58,7 +58,7 @@ inline Costs fit(const std::vector<Timed>& all) {
   for (const Timed& t : all)
     if (std::abs(t.seconds - rough.of(t.pairs, t.owners, 0, t.steps)) < 2 * rough.scatter * mean)
       calm.push_back(t);
-  return solve(calm);
+  return solve(calm.size() > 3 ? calm : all);
 }
 
 /// Of an agreement of all ranks.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -125,15 +126,20 @@ TEST_CASE("SPH: without RestoredVolume rain comes down, and takes up to half as 
   CHECK(symplectic.height < 1.6);
 }
 
-TEST_CASE("SPH: the pressure that spray gives up is in the books of energy") {
+/// Scattered particles that rain on a floor in a periodic slice: what the books leave unexplained,
+/// over the energy at the start [-].
+template <class Time>
+double unexplained(const std::string& name, Time time, double courant = 0.2) {
   constexpr int across = 10;
   Sph water{Liquid{.density = 1000, .sound_speed = 20},
             {.spacing = 0.01,
              .region = {{0, 0, 0}, {across * 0.01, 0, 1}},
              .dimensions = 2,
              .periodic = {true, false, false},
-             .gravity = {0, 0, -g}},
+             .gravity = {0, 0, -g},
+             .courant = courant},
             ArtificialViscosity{.alpha = 0.1},
+            time,
             EnergyLedger{}};
   water.least_density = 0.1;
   water.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
@@ -146,9 +152,19 @@ TEST_CASE("SPH: the pressure that spray gives up is in the books of energy") {
   const double start = water.energy().held();
   water.run(0.5);
   const auto books = water.energy();
-  MESSAGE("tension ", books.tension, ", residual ", books.residual(), " of ", start);
+  MESSAGE(name, ": tension ", books.tension, ", residual ", books.residual(), " of ", start);
   CHECK(books.tension > 0.001 * start);
-  CHECK(std::abs(books.residual()) < 0.01 * start);
+  return std::abs(books.residual()) / start;
+}
+
+// Catches a loss that is booked for the length of a leap of VerletTime, two steps, once a step.
+TEST_CASE("SPH: the pressure that spray gives up is in the books of energy") {
+  CHECK(unexplained("symplectic", SymplecticTime{}) < 0.01);
+  // First order in the step, as densities that are held jump: 5.3 and 2.7 %. Booked twice: 36 %.
+  const double coarse = unexplained("Verlet", VerletTime{}),
+               fine = unexplained("Verlet, half the step", VerletTime{}, 0.1);
+  CHECK(coarse < 0.08);
+  CHECK(fine < 0.6 * coarse);
 }
 
 }  // namespace sph_spray_test

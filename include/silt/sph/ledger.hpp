@@ -25,7 +25,8 @@ struct LiquidBalance {
   double artificial, laminar, turbulent;  // by viscosities, including walls and bodies
   double diffusion;                       // diffusion of density: from `elastic`; may be < 0
   double shifting;                        // from `gravity`; may be < 0
-  double tension;    // from `elastic`: tension removed at particles with few neighbours
+  double tension;  // from `elastic`: tension removed at particles with few neighbours, pressure of
+                   // spray
   double displaced;  // with particles displaced by bodies or walls
   // Supplied since the start.
   double walls;                // work of walls that move, rotate, or are belts
@@ -284,16 +285,18 @@ void sph_book_grains(Core& core, double dt) {
     }
   }
 }
-/// After a step: energy lost by removal of tension.
+/// After a step: energy lost by removal of tension and by the pressure that spray gives up. `share`
+/// [-] of the time over which a density was integrated that belongs to this step: a leap of
+/// VerletTime takes two steps, and every second step is on the other of two chains.
 template <class Core>
-void sph_book_tension(Core& core) {
+void sph_book_tension(Core& core, double share = 1) {
   if constexpr (Core::Book::kept) {
     auto& of = core.columns;
     for (std::size_t k = 0; k < of.size(); ++k)
       if (of.is_liquid(k) && core.book.unheld[k] != of.rows[k].density)
-        core.book.now.tension +=
-            core.mass_of(k) * (core.liquid.elastic_energy(core.book.unheld[k]) -
-                               core.liquid.elastic_energy(of.rows[k].density));
+        core.book.now.tension += share * core.mass_of(k) *
+                                 (core.liquid.elastic_energy(core.book.unheld[k]) -
+                                  core.liquid.elastic_energy(of.rows[k].density));
   }
 }
 /// shift_of(k) [m]: displacement of a particle by shifting.

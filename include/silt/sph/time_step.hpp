@@ -80,7 +80,7 @@ class SphStep {
       const double from = restart ? r.density : start.density;
       start.density = r.density, r.density = from + span * rate;
     });
-    book_shifts(core_.columns.start), sph_book_tension(core_);
+    book_shifts(core_.columns.start), sph_book_tension(core_, dt_ / span);
     core_.openings.move(core_.columns, dt_, true);
     move_solids(dt_);
   }

@@ -20,14 +20,16 @@ inline double sph_is_surrounded(const Vec3d& slope, double h) {
 /// [-] 0 for a kernel that is half full or less, 1 from 0.7 on. `full` = 1: space is filled.
 inline double sph_is_packed(double full) { return std::clamp(5 * full - 2.5, 0.0, 1.0); }
 
-/// [1/s] Rate at which the density of spray relaxes to that at rest. Spray: particles that are
+/// [1/s] Rate at which the density of spray decreases, in parts of it, until it is that at rest.
+/// Spray: particles that are
 /// surrounded by neighbours with voids in between. When they approach, voids close and nothing is
 /// compressed, but the continuity equation raises the density as in a continuous liquid. The
 /// pressure of a few per cent of density would hold spray above a floor permanently.
 ///
 ///   0.02 c/h (1 - n) f (1 - p),  f: is surrounded, p: is packed
 ///
-/// Slow compared with sound, so that drops rebound as before; fast compared with free fall.
+/// An excess of 1 to 2 % of density is gone in the time of sound across h: fast compared with free
+/// fall. What is packed, the inside of a drop, loses nothing.
 inline double sph_spray_loss(const Vec3d& slope, double full, double h, double sound) {
   return 0.02 * sound / h * (1 - full) * sph_is_surrounded(slope, h) * (1 - sph_is_packed(full));
 }
@@ -36,7 +38,8 @@ inline double sph_spray_loss(const Vec3d& slope, double full, double h, double s
 /// @name Volume: whether densities are tied to the space of the particles
 /// @{
 
-/// Densities follow only the continuity equation.
+/// Densities follow only the continuity equation, except in spray and where a particle has few
+/// neighbours (time_step.hpp).
 /// Source: none: the continuity equation of Sph.
 /// Valid:  liquids that do not break up and merge again.
 /// Units:  none.

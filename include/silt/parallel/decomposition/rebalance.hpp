@@ -17,8 +17,8 @@ namespace silt::inline SILT_TARGET {
 ///   cost = each * mean points of a rank + per_moved * largest number of points that a rank sends
 ///
 /// For an imbalance that grows linearly this is the cheapest moment, and a flat optimum. Where the
-/// imbalance exceeds what is allowed by more than 60 % (above 1.08 by default), a quarter of the
-/// cost is enough.
+/// imbalance exceeds what is allowed by more than 60 %, and 1.08 (both the same by default), a
+/// quarter of the cost is enough.
 ///
 /// The default costs were held against benchmarks/rank_costs.cpp: Bisection takes 4 to 6 units a
 /// point for each doubling of the ranks, a point that is sent some 26 to 41 (docs/ranks.md).
@@ -47,7 +47,7 @@ struct Rebalance {
     require_not_negative("Rebalance.per_moved", per_moved, "-");
     lost += (load.largest - load.mean) * static_cast<double>(steps);
     const double now = load.imbalance();
-    const bool urgent = now - 1 > 1.6 * (above - 1);
+    const bool urgent = now - 1 > std::max(1.6 * (above - 1), 0.08);
     return now > above && lost >= cost(points) * (urgent ? 0.25 : 1.0);
   }
 
