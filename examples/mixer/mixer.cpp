@@ -14,13 +14,11 @@
 
 #include <silt/files/csv_table.hpp>
 
-#include "mixer/lacey.hpp"
 #include "mixer/scene.hpp"
 #include "support/example.hpp"
 
 namespace {
 
-using mixer::Lacey;
 using mixer::Scene;
 using silt::Vec3d;
 
@@ -42,12 +40,32 @@ struct Kinds {
     }
   }
   template <class Sim>
-  Lacey mixed(const Sim& sim, const std::vector<bool>& kind) const {
-    Lacey lacey(side, corner);
-    for (std::size_t k = 0; k < sim.rows(); ++k) lacey.add(sim.position(k), kind[sim.id(k)]);
-    return lacey;
+  silt::Mixing mixed(const Sim& sim, const std::vector<bool>& kind) const {
+    return silt::mixing(sim, {.side = side, .corner = corner},
+                        [&](std::size_t k) { return kind[sim.id(k)]; });
   }
 };
+
+/// The mean of Lacey's index over random mixtures of grains at these places, and its standard
+/// error.
+std::array<double, 2> index_of_random(const std::vector<Vec3d>& places, std::vector<bool> kinds,
+                                      const silt::MixingOptions& samples_at, int tries) {
+  silt::Random random(3);
+  double sum = 0, squares = 0;
+  for (int n = 0; n < tries; ++n) {
+    for (std::size_t k = kinds.size() - 1; k > 0; --k) {
+      const std::size_t other = random.index(k + 1);
+      const bool kind = kinds[k];
+      kinds[k] = kinds[other], kinds[other] = kind;
+    }
+    silt::MixingSamples samples(samples_at);
+    for (std::size_t k = 0; k < kinds.size(); ++k) samples.add(places[k], kinds[k]);
+    const double index = samples.mixing().lacey;
+    sum += index, squares += index * index;
+  }
+  const double mean = sum / tries;
+  return {mean, std::sqrt((squares / tries - mean * mean) / (tries - 1))};
+}
 
 /// Means over a stage of a run.
 struct Stage {
@@ -130,8 +148,8 @@ class Watch {
     return std::atan2(x.y, x.x);
   }
   void add_row() {
-    index_ = kinds_.mixed(sim_, kinds_.right).index();
-    layers_ = kinds_.mixed(sim_, kinds_.upper).index();
+    index_ = kinds_.mixed(sim_, kinds_.right).lacey;
+    layers_ = kinds_.mixed(sim_, kinds_.upper).lacey;
     table_.add_row({sim_.time() - start_, turns_, index_, layers_});
   }
 
@@ -191,9 +209,10 @@ void look_back(const Sim& sim, const Scene& s, const Kinds& kinds, Run& run) {
   }
   sim.for_each_contact([&](const silt::ContactSeen& c) { overlaps += c.overlap, ++contacts; });
   run.overlap = overlaps / contacts / (2 * s.grain);
-  run.random = mixer::index_of_random(places, kind, kinds.side, kinds.corner, 100);
+  run.random = index_of_random(places, kind, {.side = kinds.side, .corner = kinds.corner}, 100);
   const auto end = kinds.mixed(sim, kinds.right);
-  run.samples = end.samples(), run.grains_a_sample = end.grains_a_sample();
+  run.samples = static_cast<double>(end.samples);
+  run.grains_a_sample = static_cast<double>(end.particles) / run.samples;
 }
 
 /// A run from the charged mixer: at a fixed speed, or with a torque `target` [N m], and `more` for
@@ -208,8 +227,8 @@ Run mix(const Scene& s, const std::string& file, double target, double more,
   silt::load_checkpoint(sim, file, {.motions = true});
   const Kinds kinds(sim, s);
   run.mass_before = sim.total_mass();
-  run.start = kinds.mixed(sim, kinds.right).index();
-  run.start_layers = kinds.mixed(sim, kinds.upper).index();
+  run.start = kinds.mixed(sim, kinds.right).lacey;
+  run.start_layers = kinds.mixed(sim, kinds.upper).lacey;
   const bool pictures = target == 0;
   if (pictures) picture(sim, kinds, options.out + "/start");
   if (target == 0)

@@ -68,7 +68,8 @@ double Simulation<Policies...>::power_of_modules() const {
 }
 
 /// The longest step [s] in which what modules push with is still resolved as contacts are, by a
-/// 20th of half a swing; none if they do not say their rate.
+/// 20th of half a swing, and fields follow their fluxes, by 1 over the estimated rate; none if they
+/// do not say their rate.
 template <class... Policies>
 double Simulation<Policies...>::longest_module_step() const {
   using Stage = detail::ModuleStage<Modules, Domain>;

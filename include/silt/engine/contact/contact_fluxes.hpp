@@ -51,6 +51,7 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   void set_coefficients(const std::tuple<Ms...>& modules, const Contacts& contacts) {
     const std::size_t n = contacts.materials();
     const std::size_t of_particles = Contacts::several_materials ? n : 1;
+    others_ = n;
     (make_table<Ms>(modules, contacts, of_particles, n), ...);
   }
   /// What a step is that begins: `ask`: fluxes are asked for, else the last ones are held;
@@ -128,6 +129,17 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     return owner < slopes.size() ? slopes[owner] : 0;
   }
   bool measured() const { return measure_; }
+  /// What a module estimates for a particle: the largest rate [1/s] over the materials that it may
+  /// touch.
+  template <class M>
+  double largest_rate(const M& module, const Seen& p) const {
+    const auto& table = std::get<index_of<M>>(tables_).of_pair;
+    const std::size_t from = std::min(p.material * others_, table.size());
+    const std::size_t to = std::min(from + others_, table.size());
+    double most = 0;
+    for (std::size_t k = from; k < to; ++k) most = std::max(most, double{module.rate(p, table[k])});
+    return most;
+  }
   /// Whether this step asked for fluxes, so that what particles received is new.
   bool asked() const { return ask_; }
   /// Steps from one call to the next, as modules have it.
@@ -375,6 +387,7 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
 
   const std::tuple<Ms...>* modules_ = nullptr;
   bool ask_ = false, measure_ = false, renew_ = false;
+  std::size_t others_ = 1;  // entries of a material in the tables
   std::tuple<Table<Ms>...> tables_;
   Rows rows_[sizeof...(Ms) > 0 ? sizeof...(Ms) : 1];
 };

@@ -29,9 +29,9 @@ struct Outlet {
 
 /// One more kind of particles in the recipe of an inlet.
 struct InletShare {
-  double share;             // [-] of the number of particles; the inlet's own kind has the rest
-  SizeDistribution radius;  // [m]
-  double density;           // [kg/m3]
+  double share;               // [-] of the number of particles; the inlet's own kind has the rest
+  SizeDistribution radius{};  // [m] as InletFlow::radius
+  double density = 0;         // [kg/m3]
   std::size_t material = 0, form = 0;
 };
 
@@ -39,12 +39,13 @@ struct InletShare {
 /// they touch neither particles nor walls, every `interval`; those that find none wait for the next
 /// time. At a `mass_rate` the number follows from the mean mass of a particle.
 struct InletFlow {
-  SizeDistribution radius;   // [m] of bodies that of their bounding sphere
-  double density;            // [kg/m3]
-  double rate = 0;           // [1/s] particles a second; or a mass_rate
-  Vec3d velocity{0, 0, 0};   // [m/s]
-  std::uint64_t total = 0;   // [-] stops after so many; 0: never
-  std::size_t material = 0;  // [-] index in the contacts' table
+  SizeDistribution radius{};  // [m] of bodies that of their bounding sphere, left out: as the form
+                              // was made
+  double density = 0;         // [kg/m3]
+  double rate = 0;            // [1/s] particles a second; or a mass_rate
+  Vec3d velocity{0, 0, 0};    // [m/s]
+  std::uint64_t total = 0;    // [-] stops after so many; 0: never
+  std::size_t material = 0;   // [-] index in the contacts' table
   std::uint64_t seed = 1;
   std::size_t trials = 200;             // [-] occupied places tried for one sphere
   double interval = 0;                  // [s] between insertions; 0: a diameter's time of flight

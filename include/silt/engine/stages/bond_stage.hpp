@@ -57,9 +57,9 @@ class BondStage {
   }
 
   /// Adds the loads of bonds to the sums of their particles and to walls. Returns the power of
-  /// their dashpots [W] for a ledger.
+  /// their dashpots [W] for a ledger. `ago` [s]: age of velocities relative to positions.
   template <class Engine>
-  double push(Engine& e, const Domain& domain, double dt) {
+  double push(Engine& e, const Domain& domain, double dt, double ago) {
     overloaded_.clear();
     if constexpr (Engine::of_ranks) fresh = false;
     follow(e);
@@ -70,7 +70,7 @@ class BondStage {
       for (std::size_t p = 0; p < groups.phases(); ++p) {
         const auto [from, to] = list.busy(groups.phase(p));
         e.team().for_parts(to - from, [&, first = from](std::size_t g) {
-          run_group(e, domain, list.group(first + g), done[first + g]);
+          run_group(e, domain, list.group(first + g), ago, done[first + g]);
           if constexpr (Engine::of_ranks)  // another rank has these too
             if (p >= groups.own_phases()) done[first + g].power *= 0.5;
         });
@@ -81,7 +81,7 @@ class BondStage {
           if (tells(e, k)) overloaded_.push_back({seen(e, domain, k, dt), k});
       }
     }
-    power += at_walls.push(e, domain, model, dt, [&](const BondSeen& what, std::size_t k) {
+    power += at_walls.push(e, domain, model, dt, ago, [&](const BondSeen& what, std::size_t k) {
       overloaded_.push_back({what, k});
     });
     return power;
@@ -257,7 +257,9 @@ class BondStage {
                 BondEnds when = BondEnds::AfterForces) const {
     const Bond b = list.bond(k);
     const auto ends = ends_at(e, domain, k);
-    BondSeen out = see_bond(model, strain_of(b.rest, ends), b.numbers, dt, when);
+    auto strain = strain_of(b.rest, ends);
+    take_rates_of(0.5 * dt, ends, strain);
+    BondSeen out = see_bond(model, strain, b.numbers, dt, when);
     out.a = b.i, out.b = b.j, out.number = b.number;
     out.to = e.particles.position[list.first()[k]].centre(), out.from = out.to - ends.apart;
     return out;
@@ -277,7 +279,8 @@ class BondStage {
   };
 
   template <class Engine>
-  void run_group(Engine& e, const Domain& domain, const typename List::Group& g, Done& done);
+  void run_group(Engine& e, const Domain& domain, const typename List::Group& g, double ago,
+                 Done& done);
   /// Transposes the rows of the ends of `count` bonds into lanes.
   template <class Engine>
   __attribute__((flatten)) void gather(Engine& e, const Domain& domain, std::size_t from,
@@ -292,7 +295,7 @@ class BondStage {
   /// returns which of its bonds are overloaded.
   template <class Engine>
   __attribute__((flatten)) std::uint64_t run_pack(const Engine&, std::size_t of_list, std::size_t k,
-                                                  Block& b, Real& power) const;
+                                                  const Real& ago, Block& b, Real& power) const;
   /// Adds the loads in strides, because neighbours in the list share particles
   /// (PairPipeline::add_up).
   template <class Engine>
