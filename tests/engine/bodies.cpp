@@ -224,6 +224,7 @@ TEST_CASE("Bodies that come without a radius have the size of their form as it w
   sim.add_inlet(Box{{0, 0, 0.04}, {0.03, 0.03, 0.06}},
                 {.density = 2500,
                  .rate = 1e4,
+                 .velocity = {0, 0, -1},
                  .total = 30,
                  .form = a,
                  .recipe = {{.share = 0.5, .radius = 1e-3, .density = 2500, .form = b}}});

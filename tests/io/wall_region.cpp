@@ -88,7 +88,8 @@ TEST_CASE("walls drawn: a box that tumbles is drawn whole at each angle") {
   auto sim = scene({{0.01, 0.01, 0.01}});
   sim.add_wall(
       silt::box({0, 0, 0}, {0.02, 0.03, 0.06}), rubber,
-      {.motion = silt::Rotation{.centre = {0.01, 0.015, 0.03}, .axis = {1, 2, 3}, .rate = 50}});
+      {.motion = silt::Rotation{
+           .centre = {0.01, 0.015, 0.03}, .axis = normalised(Vec3d{1, 2, 3}), .rate = 50}});
   sim.guard.max_overlap = 100;
   for (int k = 0; k < 3; ++k) {
     const Drawn box = drawn(sim, 0);
@@ -132,7 +133,7 @@ TEST_CASE("walls drawn: periodic directions are whole, and inlets belong to the 
   empty.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber);
   CHECK(has_words(refusal<silt::InputError>([&] { silt::write_walls("none.vtp", empty); }),
                   {"no particles and no finite walls", "third argument"}));
-  empty.add_inlet({{0, 0, 0.1}, {0.03, 0.02, 0.12}}, {.radius = R, .density = 2500, .rate = 10});
+  empty.add_inlet({{0, 0, 0.05}, {0.03, 0.02, 0.07}}, {.radius = R, .density = 2500, .rate = 10});
   CHECK(is(drawn(empty, 0).bounds, {{0, 0, 0}, {0.03, 0.02, 0}}));
 }
 

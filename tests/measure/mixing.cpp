@@ -100,15 +100,19 @@ TEST_CASE("mixing: of a simulation, without small samples; what tells nothing is
                 .radius = 0.01,
                 .density = 2500,
                 .material = k % 5 < 2 ? 0u : 1u});
-  silt::Contacts<silt::LinearSpring> contacts{{.stiffness = 100}};
-  contacts.add({.stiffness = 200});
+  silt::Contacts<silt::LinearSpring, silt::SeveralMaterials> contacts{
+      {{.stiffness = 100}, {.stiffness = 200}}};
   const silt::Simulation sim{std::move(grains), contacts};
   const auto first = [&](std::size_t k) { return sim.material(k) == 0; };
-  const Mixing m = silt::mixing(sim, {.side = 0.1}, first);
-  CHECK(m.particles == 21);
-  // The last particle, alone in its row, is left out with its sample.
-  const Mixing rows = silt::mixing(sim, {.side = 0.5, .corner = {0, 0, -0.4}, .least = 2}, first);
-  CHECK(rows.particles == 21);
+  const Mixing all = silt::mixing(sim, {.side = 0.2}, first);
+  CHECK(all.particles == 21);
+  CHECK(all.samples == 7);
+  // The last particle, alone in its sample, is left out with it.
+  const Mixing most = silt::mixing(sim, {.side = 0.2, .least = 2}, first);
+  CHECK(most.particles == 20);
+  CHECK(most.samples == 6);
+  CHECK(most.share == near(0.4));
+  CHECK(std::abs(most.lacey) < 1e-14);
   const auto refused = [&](const silt::MixingOptions& options, auto is_first,
                            std::initializer_list<std::string> words) {
     const std::string said =

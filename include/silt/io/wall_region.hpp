@@ -14,7 +14,7 @@
 
 #include <silt/boundary/wall.hpp>
 #include <silt/core/box.hpp>
-#include <silt/engine/lists/wall_images.hpp>
+#include <silt/simulation.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
