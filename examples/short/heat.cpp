@@ -33,9 +33,6 @@ int main() {
                                             .poisson_ratio = 0.33,
                                             .start_temperature = 300}};  // [K]
   sim.gravity = {0, 0, -9.81};
-  // [s] right for the contacts. silt's own choice is far shorter: for heat, with so small a
-  // capacity, through contacts far wider than these.
-  sim.time_step = 1e-5;
   sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, metal, {.name = "hot"});
   sim.add_wall(silt::Plane{{length, 0, 0}, {-1, 0, 0}}, metal, {.name = "cold"});
   sim.add_wall(silt::box({-1, 0, 0}, {1, width, 3 * height}), metal, {.name = "insulated"});
