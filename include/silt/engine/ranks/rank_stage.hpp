@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
@@ -26,6 +27,7 @@
 #include <silt/engine/ranks/rank_bodies.hpp>
 #include <silt/engine/ranks/rank_wall_loads.hpp>
 #include <silt/parallel/agree.hpp>
+#include <silt/parallel/rank_load.hpp>
 #include <silt/parallel/ranks.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -36,6 +38,21 @@ struct RankCounts {
   std::uint64_t migrated = 0;             // rows that came from other ranks
   std::uint64_t messages = 0, bytes = 0;  // sent at the steps and at searches
   Load load;                              // of all ranks, at the last search, before it
+};
+
+/// Adds the time from its construction to its end.
+class AddsSeconds {
+ public:
+  explicit AddsSeconds(double& seconds) : seconds_(seconds) {}
+  AddsSeconds(const AddsSeconds&) = delete;
+  AddsSeconds& operator=(const AddsSeconds&) = delete;
+  ~AddsSeconds() {
+    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  double& seconds_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 /// The part of bonds in a search, for RankChange, which knows no bond models (RankBonds).
@@ -64,6 +81,7 @@ class RankStage {
   static constexpr bool active = true;
   std::vector<RankNeighbour> neighbours;  // in the order of ranks
   RankCounts counts;
+  mutable RankSeconds seconds;                   // since this process began
   std::vector<std::array<double, 2>> of_servos;  // of walls [N/m], [N s/m]: look_at_servos()
   BondsAtSearch* bonds = nullptr;                // while lists are renewed, if there are bonds
 
@@ -108,6 +126,7 @@ class RankStage {
   }
   /// The same with an error of this rank, or none; each number becomes the largest of all ranks.
   void agree(const char* call, const std::exception_ptr& error, std::span<double> most) const {
+    const AddsSeconds timed(seconds.agreement);
     const std::exception_ptr before = std::exchange(late_, nullptr);
     silt::agree(policy_->comm, call, before ? before : error, most);
   }
@@ -289,6 +308,7 @@ class RankStage {
       for_images(domain, p.centre(), [&](const Vec3d& image) { is_in |= region.contains(image); });
       if (p.r > 0 && is_in) own.push_back(p);
     }
+    meet("particles in a region");
     return gather(policy_->comm, std::span<const PositionRow>(own)).values;
   }
   /// Turns what own particles have added to outlets into what those of all ranks have (collective).
@@ -329,6 +349,7 @@ class RankStage {
   template <class... Passed>
   void begin(const Passed&... passed) {
     if (neighbours.empty()) return;
+    const AddsSeconds timed(seconds.ghosts);
     out_.resize(neighbours.size()), in_.resize(neighbours.size());
     std::vector<Outgoing> sends;
     std::vector<Incoming> receives;
@@ -349,6 +370,7 @@ class RankStage {
   /// Receives those of the own ghosts.
   template <class... Passed>
   void finish(const Passed&... passed) {
+    const AddsSeconds timed(seconds.ghosts);
     under_way_->wait();
     under_way_.reset();
     for (std::size_t n = 0; n < neighbours.size(); ++n) {
@@ -364,8 +386,8 @@ class RankStage {
   std::int64_t last_step_ = 0;  // in which ranks were chosen
   using Exchange = decltype(std::declval<const decltype(Policy::comm)&>().exchange(
       std::span<const Outgoing>(), std::span<const Incoming>()));
-  std::optional<Exchange> under_way_;
   std::vector<std::vector<std::byte>> out_, in_;
+  std::optional<Exchange> under_way_;  // behind its buffers, to end before they go
 };
 
 }  // namespace silt::detail
