@@ -29,7 +29,8 @@ namespace silt::inline SILT_TARGET::detail {
 /// rotation, and the inertia I of a sphere whose contact slides, without n n^T. The time step limit
 /// at the start considers speeds only. This check also detects particles that are compressed or
 /// stick, contacts resolved by too few steps, and rolling resistance that is too stiff or too
-/// strongly damped. Positions are those of `back` [s] ago. Tests: tests/engine/contact_rates.cpp.
+/// strongly damped. Positions are those of `back` [s] ago.
+/// Tests: tests/engine/contact_rates.cpp.
 struct LinearContact {
   double k;  // [N/m]
   double c;  // [N s/m]

@@ -18,7 +18,8 @@ namespace silt::inline SILT_TARGET::detail {
 /// springs half a step after the last force computation, and the second half of the work of all
 /// other forces of that step. With it the energy balance closes to second order in the step, as for
 /// contacts that end by separation. Tangential springs need no correction: their energy at the end
-/// counts as friction. Tests: tests/breakage/runs.cpp, tests/engine/removed_springs.cpp.
+/// counts as friction.
+/// Tests: tests/breakage/runs.cpp, tests/engine/removed_springs.cpp.
 template <class EngineType, class Domain>
 class EndedContacts {
   using C = typename EngineType::Contacts;

@@ -20,8 +20,8 @@ namespace silt::inline SILT_TARGET::detail {
 /// The same as EndedContacts for polyhedra: energy that the ledger misses when they are removed
 /// during contact, before the next force computation. Contacts are evaluated at the present
 /// positions, their springs half a step earlier; the forces at the three points of a contact are
-/// those of the last step. The convex rows must be up to date. Tests:
-/// tests/breakage/polyhedra_energy.cpp.
+/// those of the last step. The convex rows must be up to date.
+/// Tests: tests/breakage/polyhedra_energy.cpp.
 template <class EngineType, class Domain>
 class EndedSolidContacts {
   using C = typename EngineType::Contacts;

@@ -24,8 +24,11 @@ namespace silt::inline SILT_TARGET {
 ///   sim.run(1.0, silt::on_contact_end(
 ///                    [&](const silt::ContactEvent& c) { lost += c.lost_energy; }));
 ///
-/// Tests: tests/engine/contact_events.cpp. Source: none. Valid:  every contact that lasts at least
-/// one step. Units:  SI. Errors: does not compile with Ranks.
+/// Tests: tests/engine/contact_events.cpp.
+/// Source: none.
+/// Valid:  every contact that lasts at least one step.
+/// Units:  SI.
+/// Errors: does not compile with Ranks.
 struct ContactEvents {
   static constexpr bool is_contact_events = true;
 };

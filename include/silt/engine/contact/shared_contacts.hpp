@@ -38,8 +38,9 @@ inline constexpr double energy_exponent = [] {
 /// with them an elastic plate gained up to 12 % of its energy. The partner is another body, or one
 /// surface of a wall. Contacts at right angles, as between two hooked bodies, each apply 0.6 of
 /// their force alone. Shapes: shares by place in the inner list; 1 where a pair of bodies has one
-/// pair of parts. Source: Kodam et al., Chem. Eng. Sci. 64 (2009) 3466, divide by the plain number
-/// of contacts; (1) is silt's own. Tests: tests/engine/shared_contacts.cpp.
+/// pair of parts.
+/// Source: Kodam et al., Chem. Eng. Sci. 64 (2009) 3466, divide by the plain number of contacts;
+/// (1) is silt's own. Tests: tests/engine/shared_contacts.cpp.
 template <class Scalar>
 class SharedContacts {
  public:

@@ -23,7 +23,8 @@ namespace silt::inline SILT_TARGET::detail {
 ///   q_i <= s (s_i - D_i) - (1 - s) R_i,   D_i the displacement of y_i since the search, (1')
 /// in place of (1). Each step scales distances by no less than 1 + dt d, where d < 0 is the
 /// smallest principal value of the strain rate, because |(I + dt L) u| >= u (I + dt L) u for unit
-/// vectors u. Tests: tests/engine/deforming_box.cpp (against brute force at every step).
+/// vectors u.
+/// Tests: tests/engine/deforming_box.cpp (against brute force at every step).
 struct FlowSince {
   Upper3 map = Upper3::identity();  // F since the search
   double searched = 1, pruned = 1;  // [-] s since then

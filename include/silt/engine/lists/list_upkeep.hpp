@@ -30,7 +30,8 @@ namespace silt::inline SILT_TARGET::detail {
 ///   (2) as long as U_i < q_i for all i, and U' <= Q, none of them touches, or comes within range.
 /// U_i/q_i is bounded by the sum over steps of max_i (|v_i| dt/q_i): one multiplication per
 /// particle and step. D_i is measured exactly, at each pruning. (2) is checked before the forces of
-/// every step. Tests: tests/engine/list_upkeep.cpp (against brute force at every step).
+/// every step.
+/// Tests: tests/engine/list_upkeep.cpp (against brute force at every step).
 class ListUpkeep {
  public:
   AlignedVector<double> outer;                    // [m] s_i

@@ -22,8 +22,8 @@
 ///   box in a direction, and all that particles there reach, acts without images: it is meant to be
 ///   endless there (or as one image, if a motion has moved it away)
 ///
-/// Units: SI. Errors: InputError for a wall more than a million box lengths away. Tests:
-/// tests/engine/wall_images.cpp
+/// Units: SI. Errors: InputError for a wall more than a million box lengths away.
+/// Tests: tests/engine/wall_images.cpp
 
 namespace silt::inline SILT_TARGET::detail {
 

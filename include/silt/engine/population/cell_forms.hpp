@@ -11,7 +11,8 @@
 /// The forms of bodies: first those that users added, which are permanent, then those of cells from
 /// broken polyhedra (BodyMotion::cells). Each cell form belongs to one fragment; when no body has
 /// it any more it is reused for the next cell, so that their number is the largest number of
-/// fragments at one time. Tests: tests/breakage/cell_forms.cpp.
+/// fragments at one time.
+/// Tests: tests/breakage/cell_forms.cpp.
 
 namespace silt::inline SILT_TARGET::detail {
 

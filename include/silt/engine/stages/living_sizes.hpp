@@ -16,7 +16,8 @@ namespace silt::inline SILT_TARGET::detail {
 /// The particle sizes that set the time step where particles break (BreakStep::SmallestLiving): the
 /// smallest present at the last look. They are looked at when a smaller particle is born, so that
 /// the step becomes shorter before that particle acts, and every hundred steps, so that the step
-/// can grow again. Tests: tests/breakage/step.cpp.
+/// can grow again.
+/// Tests: tests/breakage/step.cpp.
 class LivingSizes {
  public:
   static constexpr std::int64_t look_every = 100;  // [steps]
