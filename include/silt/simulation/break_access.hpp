@@ -39,7 +39,7 @@ class BreakAccess {
   /// With several ranks, the sum over all (collective).
   template <class S = Sim>
   SizeTable left() const requires(S::has_breakage&& S::has_ranks) {
-    return table_of_ranks(sim().breaks_.left.all);
+    return merged_over_ranks(sim(), sim().breaks_.left.all);
   }
   /// The same of one material, by number or name.
   template <class S = Sim>
@@ -48,7 +48,7 @@ class BreakAccess {
   }
   template <class S = Sim>
   SizeTable left(const WhichMaterial& of) const requires(S::has_breakage) {
-    return table_of_ranks(table_of(sim().breaks_.left, of));
+    return merged_over_ranks(sim(), table_of(sim().breaks_.left, of));
   }
   template <class S = Sim>
   MassBalance mass_balance() const requires(S::has_breakage) {
@@ -121,11 +121,21 @@ class BreakAccess {
   const ImpactEnergies& impact_energies() const requires(S::has_breakage && !S::has_ranks) {
     return sim().breaks_.impacts;
   }
-  /// The largest load since the program began; not saved in checkpoints. With several ranks, of
-  /// this rank's particles.
+  /// The largest load since the program began; not saved in checkpoints. With several ranks, of all
+  /// (collective).
   template <class S = Sim>
-  const LargestLoad& largest_load() const requires(S::has_breakage) {
-    return sim().breaks_.largest;
+  LargestLoad largest_load() const requires(S::has_breakage) {
+    LargestLoad most = sim().breaks_.largest;
+    if constexpr (S::has_ranks) {
+      sim().engine_.ranks.meet("the largest load");
+      std::uint64_t weighed = 0;
+      for (const LargestLoad& one : gather_each(sim().engine_.ranks.comm(), most)) {
+        weighed += one.weighed;
+        if (one.share > most.share) most = one;
+      }
+      most.weighed = weighed;
+    }
+    return most;
   }
 
   // Without the policy: a message at compile time.
@@ -235,27 +245,6 @@ class BreakAccess {
     require(strength > 0, "Simulation::break_particle: particle ", id,
             " cannot break: it is fixed, or BreakageRules.materials leaves its material out");
     s.breaks_.add_due({id, strength, 0, BreakCause::Asked});
-  }
-  /// The sum of the tables of all ranks (collective).
-  SizeTable table_of_ranks(const SizeTable& own) const {
-    if constexpr (Sim::has_ranks) {
-      const auto numbers = own.state();
-      const auto& ranks = sim().engine_.ranks;
-      ranks.meet("tables of sizes");
-      const auto each = gather(ranks.comm(), std::span<const double>(numbers));
-      SizeTable all;
-      for (int r = 0; r < each.ranks(); ++r) {
-        SizeTable one;
-        one.restore(each[r]);
-        if (one.classes() == 0) continue;
-        if (all.classes() == 0)
-          all = one;
-        else
-          all.merge(one);
-      }
-      return all;
-    }
-    return own;
   }
   template <class Tables>
   SizeTable table_of(const Tables& tables, const WhichMaterial& of) const {

@@ -4,24 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 
 #include <silt/core/vec3.hpp>
 #include <silt/parallel/comm.hpp>
+#include <silt/parallel/rank_load.hpp>
 
 namespace silt::inline SILT_TARGET {
-
-/// The load of a rank.
-struct RankLoad {
-  std::uint64_t particles = 0, ghosts = 0;  // [-] owned; copies of others'
-  std::uint64_t contacts = 0;               // [-] touching pairs, each counted on one rank
-  double work = 0;             // [-] 1 per particle and per listed pair, 0.5 per pair with a ghost
-  std::uint64_t migrated = 0;  // [-] particles received from other ranks since the start
-  std::uint64_t messages = 0, bytes = 0;       // [-], [bytes] sent since the start
-  std::uint64_t searches = 0, partitions = 0;  // [-] since the start
-};
 
 namespace detail {
 
@@ -85,6 +75,7 @@ class RankAccess {
       own.ghosts = e.particles.ghosts;
       own.migrated = counts.migrated, own.messages = counts.messages, own.bytes = counts.bytes;
       own.searches = counts.searches, own.partitions = counts.partitions;
+      own.seconds = e.ranks.seconds;
       e.ranks.meet("a look at the loads");
       return gather_each(e.ranks.comm(), own);
     } else {
@@ -111,6 +102,29 @@ constexpr void need_one_process() {
                 "coordination(), contact_loads(), facet_loads(), ring_loads() and coarse-grained "
                 "fields know the particles of one process alone: leave Ranks out, or load a "
                 "checkpoint of the run into the same scene without Ranks and measure there");
+}
+
+/// The sum of the size tables of all ranks (collective).
+template <class Sim, class Table>
+Table merged_over_ranks([[maybe_unused]] const Sim& sim, const Table& own) {
+  if constexpr (Sim::has_ranks) {
+    const auto numbers = own.state();
+    sim.engine().ranks.meet("tables of sizes");
+    const auto each = gather(sim.engine().ranks.comm(), std::span<const double>(numbers));
+    Table all;
+    for (int r = 0; r < each.ranks(); ++r) {
+      Table one;
+      one.restore(each[r]);
+      if (one.classes() == 0) continue;
+      if (all.classes() == 0)
+        all = one;
+      else
+        all.merge(one);
+    }
+    return all;
+  } else {
+    return own;
+  }
 }
 
 /// Runs work that each rank does by itself; if it throws on one rank, all throw (collective).

@@ -152,7 +152,12 @@ class Openings {
   template <class Engine, class Sim>
   void update(Engine& engine, Sim& sim) {
     if (!outlets_.empty() && !engine.lists.hold(engine.walls)) let_out(engine, sim);
-    for (std::size_t k = 0; k < inlets_.size(); ++k) let_in(inlets_[k], places_[k], engine, sim);
+    for (std::size_t k = 0; k < inlets_.size(); ++k) {
+      if constexpr (Engine::of_ranks)  // the others wait for this rank's ghosts, if it fails too
+        engine.ranks.until_later([&] { let_in(inlets_[k], places_[k], engine, sim); });
+      else
+        let_in(inlets_[k], places_[k], engine, sim);
+    }
   }
 
  private:

@@ -51,6 +51,7 @@ class RankChange {
   template <class Stage>
   void move(Stage& ranks, const Rows& rows, const Pairs& pairs, const Walls& walls,
             std::int64_t step) {
+    const AddsSeconds timed(ranks.seconds.searches);
     State& particles = rows.particles;
     const std::size_t owned = particles.owned(), before = particles.size();
     weigh(pairs, owned);
@@ -85,6 +86,7 @@ class RankChange {
   template <class Stage, class Domain, class Reaches>
   void add_ghosts(Stage& ranks, const Rows& rows, std::span<const PositionRow> grown,
                   const Domain& domain, Reaches& reaches) {
+    const AddsSeconds timed(ranks.seconds.searches);
     State& particles = rows.particles;
     auto to = choose_ghosts(ranks, rows, grown, domain);
     if constexpr (State::bonded) {

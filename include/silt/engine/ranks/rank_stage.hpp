@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
@@ -26,6 +27,7 @@
 #include <silt/engine/ranks/rank_bodies.hpp>
 #include <silt/engine/ranks/rank_wall_loads.hpp>
 #include <silt/parallel/agree.hpp>
+#include <silt/parallel/rank_load.hpp>
 #include <silt/parallel/ranks.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -38,8 +40,22 @@ struct RankCounts {
   Load load;                              // of all ranks, before the last search
 };
 
-/// The part of bonds in a search, called by RankChange, which does not know bond models
-/// (RankBonds).
+/// Adds the time from its construction to its destruction.
+class AddsSeconds {
+ public:
+  explicit AddsSeconds(double& seconds) : seconds_(seconds) {}
+  AddsSeconds(const AddsSeconds&) = delete;
+  AddsSeconds& operator=(const AddsSeconds&) = delete;
+  ~AddsSeconds() {
+    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  double& seconds_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// The part of bonds in a search; RankChange calls it without knowing bond models (RankBonds).
 class BondsAtSearch {
  public:
   virtual ~BondsAtSearch() = default;
@@ -65,8 +81,9 @@ class RankStage {
   static constexpr bool active = true;
   std::vector<RankNeighbour> neighbours;  // sorted by rank
   RankCounts counts;
-  std::vector<std::array<double, 2>> of_servos;  // per wall [N/m], [N s/m]: look_at_servos()
-  BondsAtSearch* bonds = nullptr;                // during the renewal of lists, if there are bonds
+  mutable RankSeconds seconds;                   // since this process began
+  std::vector<std::array<double, 2>> of_servos;  // of walls [N/m], [N s/m]: look_at_servos()
+  BondsAtSearch* bonds = nullptr;                // while lists are renewed, if there are bonds
 
   void set(Policy policy) { policy_ = std::move(policy); }
   const auto& comm() const { return policy_->comm; }
@@ -107,9 +124,9 @@ class RankStage {
   void meet(const char* call) const {
     silt::agree(policy_->comm, call, std::exchange(late_, nullptr));
   }
-  /// The same with an error of this rank, or none; numbers are replaced by their maxima over all
-  /// ranks.
+  /// The same with an error of this rank, or none; numbers become their maxima over all ranks.
   void agree(const char* call, const std::exception_ptr& error, std::span<double> most) const {
+    const AddsSeconds timed(seconds.agreement);
     const std::exception_ptr before = std::exchange(late_, nullptr);
     silt::agree(policy_->comm, call, before ? before : error, most);
   }
@@ -291,6 +308,7 @@ class RankStage {
       for_images(domain, p.centre(), [&](const Vec3d& image) { is_in |= region.contains(image); });
       if (p.r > 0 && is_in) own.push_back(p);
     }
+    meet("particles in a region");
     return gather(policy_->comm, std::span<const PositionRow>(own)).values;
   }
   /// Sums over all ranks what particles have added to outlets (collective).
@@ -331,6 +349,7 @@ class RankStage {
   template <class... Passed>
   void begin(const Passed&... passed) {
     if (neighbours.empty()) return;
+    const AddsSeconds timed(seconds.ghosts);
     out_.resize(neighbours.size()), in_.resize(neighbours.size());
     std::vector<Outgoing> sends;
     std::vector<Incoming> receives;
@@ -351,6 +370,7 @@ class RankStage {
   /// Receives the messages for this rank's ghosts.
   template <class... Passed>
   void finish(const Passed&... passed) {
+    const AddsSeconds timed(seconds.ghosts);
     under_way_->wait();
     under_way_.reset();
     for (std::size_t n = 0; n < neighbours.size(); ++n) {
@@ -366,8 +386,8 @@ class RankStage {
   std::int64_t last_step_ = 0;  // in which ranks were last assigned
   using Exchange = decltype(std::declval<const decltype(Policy::comm)&>().exchange(
       std::span<const Outgoing>(), std::span<const Incoming>()));
-  std::optional<Exchange> under_way_;
   std::vector<std::vector<std::byte>> out_, in_;
+  std::optional<Exchange> under_way_;  // declared after its buffers, so that it is destroyed first
 };
 
 }  // namespace silt::detail
