@@ -50,9 +50,8 @@ struct Gathered {
 ///
 ///   rank(), size()           number of this rank, counted from 0, and how many there are
 ///   on_this_machine()        how many of the ranks share this rank's machine
-///   max_of(doubles)          replaces each number by its maximum over the ranks; NaN is larger
-///   than
-///                            all, +0 than -0
+///   max_of(doubles)          replaces each by its maximum over the ranks; NaN counts as the
+///                            largest, and +0 as larger than -0
 ///   sum_of(whole numbers)    replaces each by its sum over all ranks
 ///   gather_bytes(bytes)      the bytes of each rank, in rank order, of any lengths
 ///   swap_counts(counts)      sends counts[r] to rank r; returns what rank r sent to this one

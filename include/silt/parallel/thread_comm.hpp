@@ -166,8 +166,7 @@ class ThreadHub {
 /// communication. See run_on_ranks.
 ///
 /// Errors: a rank that waits for one that has ended, or longer than the patience of run_on_ranks,
-/// gets
-///         an Error that names the missing ranks and the call; so do ranks that make different
+///         gets an Error that names the missing ranks and the call; so do ranks that make different
 ///         calls.
 /// Tests:  tests/parallel/comm.cpp.
 class ThreadComm {

@@ -21,15 +21,21 @@ namespace silt::inline SILT_TARGET::detail {
 ///   rate_i = dt (sqrt|K_i| + |C_i|/2), of Gear another: see its rate()                         (2)
 ///
 /// k and c are stiffness and damping of a contact along its normal, obtained from the law's force.
-/// The largest |K_i| bounds the square of the highest frequency of the whole packing, since k (a -
-/// b)^2 <= k (1 + s) a^2 + k (1 + 1/s) b^2 with s = sqrt(m_i/m_j); the bound is reached by a
-/// lattice whose neighbours oscillate in antiphase. Leapfrog becomes unstable where dt times the
-/// frequency is 2; an impact has an error of some 10 % at a rate of 1.25, and gains energy above
-/// (docs/stability.md). The same holds for rolling and twisting, with the couple per relative
-/// rotation, and the inertia I of a sphere whose contact slides, without n n^T. The time step limit
-/// at the start considers speeds only. This check also detects particles that are compressed or
-/// stick, contacts resolved by too few steps, and rolling resistance that is too stiff or too
-/// strongly damped. Positions are those of `back` [s] ago.
+/// The largest |K_i| bounds the square of the highest frequency of the whole packing, since
+///
+///   k (a - b)^2 <= k (1 + s) a^2 + k (1 + 1/s) b^2,  s = sqrt(m_i/m_j)
+///
+/// and a lattice whose neighbours oscillate in antiphase reaches the bound. Leapfrog becomes
+/// unstable where dt times the frequency is 2; an impact has an error of some 10 % at a rate of
+/// 1.25, and gains energy above (docs/stability.md).
+///
+/// The same holds for rolling and twisting, with the couple per relative rotation, and the inertia
+/// I of a sphere whose contact slides, without n n^T.
+///
+/// The time step limit at the start considers speeds only. This check also detects particles that
+/// are compressed or stick, contacts resolved by too few steps, and rolling resistance that is too
+/// stiff or too strongly damped. Positions are those of `back` [s] ago.
+///
 /// Tests: tests/engine/contact_rates.cpp.
 struct LinearContact {
   double k;  // [N/m]

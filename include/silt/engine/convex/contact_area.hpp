@@ -25,12 +25,15 @@ namespace silt::inline SILT_TARGET::detail {
 /// points have the mean p and the covariance a^2 C; the elastic force equals that of one point at
 /// p, so a law without losses still conserves energy. Contacts of edges have their points on a
 /// line; for corners and round bodies all three are at p.
-///   Friction: Coulomb's torque against spinning is mu F times the mean distance of the p_k from p.
-///   With a = 0.9372 it equals that of a uniform pressure on a square, 0.3826 of its edge. On a
-///   disc it is 0.6 % low; on a rectangle, averaged over the rotations of t, at most 2.6 % low; the
-///   worst error is 10 %, for one orientation of t on a very long rectangle. Damping: with c = the
-///   law's dashpot, rocking with angular velocity w is resisted by the torque a^2 c C w; its ratio
-///   to critical damping is nearly that of the normal motion.
+///
+/// Friction: Coulomb's torque against spinning is mu F times the mean distance of the p_k from p.
+/// With a = 0.9372 it equals that of a uniform pressure on a square, 0.3826 of its edge. On a
+/// disc it is 0.6 % low; on a rectangle, averaged over the rotations of t, at most 2.6 % low; the
+/// worst error is 10 %, for one orientation of t on a very long rectangle.
+///
+/// Damping: with c = the law's dashpot, rocking with angular velocity w is resisted by the torque
+/// a^2 c C w; its ratio to critical damping is nearly that of the normal motion.
+///
 /// Source: silt's own. Tests: tests/engine/contact_area.cpp.
 inline constexpr std::size_t area_points = 3;
 inline constexpr double area_factor = 0.93717;  // a

@@ -17,10 +17,12 @@
 /// at several shifted positions.
 ///
 ///   planes                       do not repeat: they are half spaces
-///   Cylinder, Cone, Side::Inside repeat along their axis only: an image beside it would fill the
-///   drum everything else              repeats in all periodic directions a surface that spans the
-///   box in a direction, and all that particles there reach, acts without images: it is meant to be
-///   endless there (or as one image, if a motion has moved it away)
+///   Cylinder, Cone, Side::Inside repeat along their axis only: one beside it would fill the drum
+///   everything else              repeats in all periodic directions
+///
+/// In a direction in which a surface spans the box, the surface, and all that particles there
+/// reach, acts without images: it is meant to be endless there. If a motion has moved it away, the
+/// one image that spans the box acts.
 ///
 /// Units: SI. Errors: InputError for a wall more than a million box lengths away.
 /// Tests: tests/engine/wall_images.cpp
