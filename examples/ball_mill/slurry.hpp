@@ -21,7 +21,7 @@ struct Slurry {
   double spacing = 5e-3;                       // [m] of the particles, as in the paper
   double density = 1400, viscosity = 0.01134;  // [kg/m3], [Pa s]
   double share = 0.2;      // [-] of the drum's volume: what balls leave of the half that is filled
-  double sound = 16;       // [m/s] seven times what 999 of 1000 particles stay below
+  double sound = 18;       // [m/s] seven times what 999 of 1000 particles stay below
   double alpha = 0.1;      // [-] artificial viscosity, for stability
   double smoothing = 0.8;  // [-] h over sqrt(3) spacings
   double kinematic() const { return viscosity / density; }  // [m2/s]

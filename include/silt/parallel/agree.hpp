@@ -138,7 +138,8 @@ template <Communicator C>
     who += text(r == 0 ? "" : ", ", "rank ", r, " is at '",
                 std::string_view(all[r].data(), all[r].size()), "'");
   who = text("the ranks are out of step: ", who,
-             "; every rank must make the same calls in the same order");
+             "; every rank must make the same calls in the same order, none of them behind `if "
+             "(sim.rank() == 0)`");
   last_agreed() = who, is_agreed() = true;
   throw Error(who);
 }

@@ -98,7 +98,7 @@ class MpiComm {
  public:
   /// Messages longer than `piece` [bytes] are sent in pieces, because MPI counts in int.
   MpiComm(MPI_Comm of, std::size_t piece = std::size_t{1} << 30)  // NOLINT: converts
-      : own_(std::make_shared<detail::OwnedMpiComm>(of)), piece_(piece) {
+      : own_(new detail::OwnedMpiComm(of), end_together), piece_(piece) {
     require(piece >= 1 && piece <= std::size_t{std::numeric_limits<int>::max()},
             "MpiComm: pieces of ", piece, " bytes must be in [1, 2147483647]");
   }
@@ -261,6 +261,7 @@ class MpiComm {
   MPI_Comm mpi() const { return own_->comm; }
 
  private:
+  MpiComm() : piece_(std::size_t{1} << 30) {}
   static constexpr int tag = 0;
 
   void reduce(std::span<std::int64_t> wholes, MPI_Op op) const {
@@ -286,6 +287,10 @@ class MpiComm {
       bytes = bytes.subspan(count);
     } while (!bytes.empty());
   }
+
+  /// The last copy ends when those of the other ranks do. A rank that waits in a call which the
+  /// others do not make, as in `if (comm.rank() == 0) sim.kinetic_energy()`, is told so here.
+  static void end_together(detail::OwnedMpiComm* own) noexcept;
 
   std::shared_ptr<detail::OwnedMpiComm> own_;
   std::size_t piece_;
@@ -385,5 +390,20 @@ class Mpi {
     fail(sentence);
   }
 };
+
+inline void MpiComm::end_together(detail::OwnedMpiComm* own) noexcept {
+  const std::unique_ptr<detail::OwnedMpiComm> last(own);
+  int ended = 0;
+  MPI_Finalized(&ended);
+  // A rank that an exception unwinds may be alone.
+  if (ended != 0 || std::uncaught_exceptions() > 0) return;
+  MpiComm comm;
+  comm.own_ = std::shared_ptr<detail::OwnedMpiComm>(own, [](auto*) {});
+  try {
+    silt::agree(comm, "the end of a simulation or communicator");
+  } catch (const std::exception& e) {
+    Mpi::fail(e.what());
+  }
+}
 
 }  // namespace silt
