@@ -5,7 +5,8 @@
 // packing, as tapping does. Then the gas velocity is stepped up and down through minimum
 // fluidisation, which gives the pressure drop over the velocity. The dense bed is held by the walls
 // and carries more than its weight before it breaks up; with decreasing velocity a looser bed
-// remains. Finally the gas flows at twice the minimum fluidisation velocity, until bubbles rise.
+// remains. Finally the gas flows at 1.5 times the minimum fluidisation velocity (--bubbling), until
+// bubbles rise.
 //
 // The minimum fluidisation velocity is the one at which the pressure drop of the bed at rest,
 // extrapolated from decreasing velocities, equals the bed's weight. It is compared with Ergun's
