@@ -1,8 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The mill: a drum with eight lifters, balls by Bond's distribution, and how it is filled and
-// filmed.
+// The mill: a drum with eight lifters, balls by Bond's distribution, filling and filming.
 
 #include <algorithm>
 #include <array>
@@ -51,12 +50,12 @@ struct Scene {
   }
 };
 
-/// Seen along y the drum turns clockwise, so that the bed is high on the left as in the paper.
+/// Seen along y the drum rotates clockwise: the bed is high on the left, as in the paper.
 inline silt::Motion turning(double now, double rate) {
   return silt::from(now, silt::rotation({0, 0, 0}, {0, 1, 0}, rate));
 }
 
-/// Diameters [m] of all balls, in the order in which they are put in.
+/// Diameters [m] of all balls, in the order of insertion.
 inline std::vector<double> ball_sizes(const Scene& s, silt::Random& random) {
   std::vector<double> out;
   const auto classes = bond_classes(s.drum().least);
@@ -67,7 +66,7 @@ inline std::vector<double> ball_sizes(const Scene& s, silt::Random& random) {
   return out;
 }
 
-/// The space that repeats along the axis, in place of end walls.
+/// The domain, periodic along the axis; it replaces end walls.
 inline silt::PeriodicBox period(const Scene& s) {
   const double R = s.radius();
   return {{{-R, 0, -R}, {R, s.length, R}}, {false, true, false}};
@@ -86,8 +85,8 @@ auto make_mill(const Scene& s, silt::Particles<silt::Sphere> balls, int threads,
   return sim;
 }
 
-/// Balls of the next sizes for the free upper part of the drum, at places of a lattice that are
-/// free; those that found one are taken off the end of `sizes`.
+/// Balls of the next sizes at free lattice sites in the free upper part of the drum; those placed
+/// are removed from the end of `sizes`.
 template <class IsFree>
 silt::Particles<silt::Sphere> batch(const Scene& s, std::vector<double>& sizes,
                                     silt::Random& random, const IsFree& is_free) {
@@ -113,7 +112,7 @@ silt::Particles<silt::Sphere> batch(const Scene& s, std::vector<double>& sizes,
   return out;
 }
 
-/// The drum, filled and at rest; the number of balls is that of the case.
+/// The drum, filled and at rest, with the case's number of balls.
 template <class... Policies>
 auto filled_mill(const Scene& s, int threads, const Policies&... policies) {
   silt::Random random(s.seed);
@@ -153,7 +152,7 @@ void add_frame(silt::SideView& view, const Sim& sim) {
     view.add_disc(sim.position(k).x, sim.position(k).z, sim.radius(k));
 }
 
-/// Turns the filled drum, and films it after the first turns.
+/// Rotates the filled drum, and films it after the first turns.
 template <class Sim, class... Observers>
 silt::SideView turn_and_film(const Scene& s, Sim& sim, Observers&&... observers) {
   sim.set_motion("drum", turning(sim.time(), s.rate()));
@@ -167,7 +166,8 @@ silt::SideView turn_and_film(const Scene& s, Sim& sim, Observers&&... observers)
   return view;
 }
 
-/// The angle of repose [degrees] of a case with these pair values: what a calibration compares.
+/// Angle of repose [degrees] of a case with these pair values: the output that a calibration
+/// compares.
 inline double mill_angle(const Scene& s, int threads) {
   const auto angle = [&](auto sim) {
     return silt::repose_line(turn_and_film(s, sim).share()).angle;
@@ -175,7 +175,7 @@ inline double mill_angle(const Scene& s, int threads) {
   return s.periodic ? angle(filled_mill(s, threads, period(s))) : angle(filled_mill(s, threads));
 }
 
-/// The angles [degrees] of the three dry drums. `like` has what is not varied.
+/// The angles [degrees] of the three dry drums. `like` sets everything that is not varied.
 inline std::array<double, 3> mill_targets(double restitution, double friction, Scene like = {},
                                           int threads = 1) {
   std::array<double, 3> out{};
@@ -184,7 +184,7 @@ inline std::array<double, 3> mill_targets(double restitution, double friction, S
     like.name = mills[k].name, out[k] = mill_angle(like, threads);
   return out;
 }
-/// [degrees^2] sum of squares of what they are off the recordings of balls alone.
+/// [degrees^2] sum of squared deviations from the recordings of balls only.
 inline double squared_error(const std::array<double, 3>& angles) {
   double sum = 0;
   for (std::size_t k = 0; k < mills.size(); ++k)

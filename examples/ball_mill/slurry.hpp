@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The wet mill: slurry by SPH in the pores of the balls and around them.
+// The wet mill: slurry (SPH) in the pores between the balls and around them.
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +27,7 @@ struct Slurry {
   double kinematic() const { return viscosity / density; }  // [m2/s]
 };
 
-/// Distance [m] of a point from the lifters, of which one is at half a pitch from the x axis.
+/// Distance [m] of a point from the lifters; one lifter is at half a pitch from the x axis.
 inline double from_lifters(const Scene& s, const Vec3d& x) {
   const double pitch = 2 * std::numbers::pi / lifter_count;
   const double turn = std::remainder(std::atan2(x.z, x.x) - 0.5 * pitch, pitch);
@@ -37,8 +37,8 @@ inline double from_lifters(const Scene& s, const Vec3d& x) {
   return below > 0 && beside > 0 ? std::hypot(below, beside) : std::max(below, beside);
 }
 
-/// The lattice's places in the free space of the drum and outside the balls: those that are lowest,
-/// as many as the slurry's volume needs. inside(x) for Sph::fill.
+/// Lattice sites in the free space of the drum, outside the balls: the lowest ones, as many as the
+/// slurry volume needs. inside(x) for Sph::fill.
 class SlurryPlaces {
  public:
   template <class Sim>
@@ -54,7 +54,7 @@ class SlurryPlaces {
     const auto count = static_cast<std::size_t>(std::lround(steps));
     silt::require(count > 0 && count <= heights.size(), "ball_mill: a slurry of ", count,
                   " particles does not fit into the drum");
-    // The layer to which there are about as many.
+    // The layer up to which there are about as many.
     std::nth_element(heights.begin(), heights.begin() + static_cast<std::ptrdiff_t>(count) - 1,
                      heights.end());
     const double last = heights[count - 1];

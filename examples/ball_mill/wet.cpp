@@ -17,7 +17,7 @@
 namespace ball_mill {
 namespace {
 
-/// The highest slurry over each place along x, in the middle of the drum, frame by frame.
+/// Highest slurry at each position along x, in the middle of the drum, frame by frame.
 class Heights {
  public:
   Heights(const Scene& s, const Slurry& slurry)
@@ -40,8 +40,8 @@ class Heights {
     for (std::size_t k = 0; k < of_.size(); ++k)
       if (highest[k] > none) of_[k].push_back(highest[k]);
   }
-  /// Of each place the heights from the median to the third quartile, as in the paper: without
-  /// drops in the air, and without gaps that balls leave.
+  /// At each position the heights from the median to the third quartile, as in the paper: this
+  /// excludes drops in the air and gaps left by balls.
   void clean(std::vector<double>& x, std::vector<double>& z) const {
     for (std::size_t k = 0; k < of_.size(); ++k) {
       auto all = of_[k];
@@ -63,7 +63,7 @@ struct WetRun {
   double inside_balls = 0;      // [-] largest share of the slurry
 };
 
-/// Speeds, densities, and the slurry that has gone into balls.
+/// Speeds, densities, and the slurry inside balls.
 template <class Sim>
 void look(Sim& sim, WetRun& run) {
   std::vector<double> speeds;
@@ -86,9 +86,9 @@ void look(Sim& sim, WetRun& run) {
   run.inside_balls = std::max(run.inside_balls, static_cast<double>(inside) / n);
 }
 
-/// Of the slurry's particles, what share flies alone: 1.5 spacings and more from drum and balls,
-/// with less than three others within 1.3. And which of it hangs: it does not fall freely, by half
-/// of gravity over 2 ms.
+/// Fraction of the slurry particles that fly alone: 1.5 spacings and more from drum and balls, with
+/// fewer than three others within 1.3 spacings; and of those among them that hang: their fall
+/// deviates from free fall by more than half of gravity over 2 ms. Both over all particles.
 struct Airborne {
   double share = 0, hangs = 0;  // [-]
 };
@@ -121,27 +121,27 @@ Airborne airborne(Sim& sim, const Scene& s, double spacing) {
   return {out.share / n, out.hangs / n};
 }
 
-/// The settled balls, in slurry that stands between and over them.
+/// The settled balls, with slurry between and over them.
 template <class Dry>
 auto wet_mill(const Scene& s, const Slurry& slurry, const Dry& dry, int threads) {
   auto water = make_slurry(s, slurry);
-  // A particle that leaves all others loses, by the continuity equation, what these add to the
-  // kernel's sum, up to 0.8 of its density, and gets it back where it falls in. And balls that
-  // approach squeeze what is between them.
+  // A particle that leaves all others loses, by the continuity equation, their contribution to the
+  // kernel sum, up to 0.8 of its density, and regains it on return. Also, approaching balls squeeze
+  // the slurry between them.
   water.least_density = 0.1, water.most_density = 1.5;
   water.fill(SlurryPlaces(s, slurry, dry));
   silt::Particles<silt::Sphere> balls;
   for (std::size_t k = 0; k < dry.rows(); ++k)
     balls.add({.position = dry.position(k), .radius = dry.radius(k), .density = steel_density});
   auto sim = make_mill(s, std::move(balls), threads, std::move(water));
-  // The slurry takes a whole number of the balls' steps, as many as its fastest pairs leave: of
-  // short ones it comes closer to what is allowed (Sph::steps_wanted).
+  // A step of the slurry is a whole number of the balls' steps, as many as its fastest pairs allow:
+  // with short steps of the balls it comes closer to the limit (Sph::steps_wanted).
   const auto& setup = sim.fluid().setup();
   sim.time_step = std::min(dry.step_length(), setup.courant * setup.h() / (6 * slurry.sound));
   return sim;
 }
 
-/// [N m] the drum's mean torque with balls alone, over the same time.
+/// [N m] the drum's mean torque with balls only, over the same time.
 template <class Sim>
 double dry_torque(Sim& sim, const Scene& s, double seconds) {
   sim.set_motion("drum", turning(sim.time(), s.rate()));
@@ -262,8 +262,8 @@ int run_wet(const Scene& s, const Slurry& slurry, double seconds, const example:
                        "half a layer of the lattice");
   summary.check_at_most("share_that_left_or_was_displaced",
                         1 - static_cast<double>(sim.fluid().size()) / particles, 0.01);
-  // 0.006 was seen: drops that hit something. 0.056 in a drum half as long, before spray gave up
-  // its pressure (docs/ball_mill.md).
+  // Observed: 0.006, drops at impact. 0.056 in a drum half as long, when spray still kept its
+  // pressure (docs/ball_mill.md).
   summary.check_at_most("share_that_hangs_in_the_air", air.hangs, 0.01);
   summary.check_at_most("share_inside_balls", run.inside_balls, 0.1);
   summary.check_at_most("share_whose_density_is_off_by_5_percent", run.off, 0.02);

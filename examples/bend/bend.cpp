@@ -1,13 +1,13 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Dilute pneumatic conveying through a bend of 90 degrees: air and spheres from a level pipe into a
-// rising one (hv), from a rising pipe into a level one (vh), or from level to level (hh). Behind
-// the bend particles run in a rope along its outer wall, which spreads. Twice: with a gas that does
-// not see the volume of the particles but only their drag (the simplified model), and with one
-// that does (the traditional, volume-averaged one). Pipe of 50 mm, the same walls for particles and
-// gas: a mesh made here.
+// Dilute pneumatic conveying through a bend of 90 degrees: air and spheres from a horizontal pipe
+// into a vertical one (hv), from a vertical pipe into a horizontal one (vh), or from horizontal to
+// horizontal (hh). Behind the bend, particles form a rope along its outer wall, which disperses.
+// Two runs: in the simplified model the gas sees the drag of the particles but not their volume, in
+// the traditional, volume-averaged model both. Pipe of 50 mm; the same mesh, generated here, is the
+// wall for particles and gas.
 //
-// The pipe comes along x, bends about z and goes on along y; only gravity differs.
+// The pipe starts along x, bends about z and continues along y; only gravity differs.
 
 #include <algorithm>
 #include <array>
@@ -78,7 +78,7 @@ silt::TriangleMesh pipe(const Scene& s) {
     add({s.bend * std::sin(angle), s.bend * (1 - std::cos(angle)), 0}, angle);
   }
   for (int k = 1; k <= legs; ++k) add({s.bend, s.bend + (s.outlet + more) * k / legs, 0}, pi / 2);
-  // A polygon of the circle's area.
+  // A polygon with the circle's area.
   const double step = 2 * pi / sides, R = s.D / 2 * std::sqrt(step / std::sin(step));
   std::vector<std::array<Vec3d, 3>> soup;
   const auto corner = [&](const Ring& ring, int k) {
@@ -94,13 +94,14 @@ silt::TriangleMesh pipe(const Scene& s) {
   return silt::TriangleMesh(soup);
 }
 
-/// Air through the pipe, turbulent, with the profile of a long pipe where it comes in.
+/// Turbulent air flow through the pipe, with a fully developed profile at the inlet.
 silt::FlowSolver air(const Scene& s, const silt::TriangleMesh& wall, silt::MomentumModel model) {
   const double h = s.cell(), side = s.D / 2 + h;
   const auto cells = [&](double length) { return static_cast<int>(std::ceil(length / h - 1e-9)); };
   const int nx = cells(s.inlet + s.bend + side), ny = cells(side + s.bend + s.outlet),
             nz = cells(2 * side);
-  // Whole cells: the pipe's middle in the middle of the box in z; the rest goes to the far sides.
+  // Whole cells: the pipe's centre in the middle of the box in z; the remainder goes to the far
+  // sides.
   const Vec3d low{-s.inlet, -side, -0.5 * nz * h};
   const double end = s.bend + s.outlet;
   silt::FlowSolver flow(
@@ -113,7 +114,8 @@ silt::FlowSolver air(const Scene& s, const silt::TriangleMesh& wall, silt::Momen
   else
     flow.set_turbulence(silt::MixingLength{.half_width = s.D / 2});
   flow.set_side(1, 1, silt::Outflow{});
-  // Open faces are some more or less than the pipe: what comes in is made exact.
+  // The open cell faces cover slightly more or less than the pipe: the inflow is scaled to the
+  // exact rate.
   double share = 1;
   for (int k = 0; k < 2; ++k) {
     const auto seventh = [&s, share](const Vec3d& x) {
@@ -127,7 +129,7 @@ silt::FlowSolver air(const Scene& s, const silt::TriangleMesh& wall, silt::Momen
   return flow;
 }
 
-/// What passes the cross-sections behind the bend, and how fast it is along the pipe.
+/// Particles crossing the sections behind the bend, and their axial velocities.
 class Measured {
  public:
   static constexpr int bins = 10;
@@ -160,13 +162,13 @@ class Measured {
     const auto k = static_cast<std::size_t>(at);
     return k < sections_.size() ? sections_[k] : none;
   }
-  /// Share of the particles in each tenth of the diameter.
+  /// Fraction of the particles in each tenth of the diameter.
   std::array<double, bins> histogram(int at) const {
     std::array<double, bins> share{};
     for (const auto& p : section(at)) share[bin(p)] += 1 / static_cast<double>(section(at).size());
     return share;
   }
-  /// [m/s] mean in each tenth; no number where there are fewer than 10 particles.
+  /// [m/s] mean in each tenth; NaN where there are fewer than 10 particles.
   std::array<double, bins> speeds(int at) const {
     std::array<double, bins> sum{}, count{};
     for (const auto& p : section(at)) sum[bin(p)] += p.speed, count[bin(p)] += 1;
@@ -180,7 +182,7 @@ class Measured {
   double mean_z(int at) const {
     return mean(at, [](const Passing& p) { return p.z; });
   }
-  /// [D] root of the mean square distance from their middle.
+  /// [D] rms distance from their mean position.
   double spread(int at) const {
     const double x = mean_across(at), z = mean_z(at);
     return std::sqrt(mean(at, [&](const Passing& p) {
@@ -192,7 +194,7 @@ class Measured {
   double speed(std::size_t piece) const {
     return along_[piece].sum / std::max(1.0, along_[piece].count);
   }
-  /// [D] behind the bend, where particles are slowest.
+  /// [D] distance behind the bend at which particles are slowest.
   double slowest() const {
     std::size_t best = 0;
     for (std::size_t k = 0; k < along_.size(); ++k)
@@ -239,7 +241,7 @@ Run run(const Scene& s, const example::Options& options, bool simplified) {
   sim.add_wall(wall, s.material());
   sim.gravity = s.gravity(), sim.threads = options.threads;
   sim.time_step = 5e-6;
-  // They come in without touching the wall.
+  // They enter without touching the wall.
   const double first = -s.inlet + s.radius(), room = 0.95 * s.D / 2;
   sim.add_inlet(silt::CylinderRegion{{first, 0, 0}, {first + 0.03, 0, 0}, room},
                 {.radius = silt::uniform(s.radius(), s.radius()),
@@ -260,8 +262,8 @@ Run run(const Scene& s, const example::Options& options, bool simplified) {
     if (now.time() < s.from()) return;
     done.measured.add(now);
   });
-  // Particles that appear at the inlet take the place of gas at once, which the pressure of the
-  // traditional model shows as noise: a mean over times that have nothing to do with the inlet's.
+  // Particles that appear at the inlet displace gas instantly, which gives pressure noise in the
+  // traditional model. The pressure is therefore averaged at times unrelated to the inlet's.
   auto pressures = silt::at(silt::every(1.37e-4), [&](const auto& now) {
     if (now.time() < s.from()) return;
     done.drop += now.fluid().flow().pressure()(1, column, middle), ++samples;
@@ -304,7 +306,8 @@ void write_tables(const std::string& out, const Run& simple, const Run& full) {
   }
 }
 
-/// Half the sum of differences of two histograms: 0 the same, 1 without a common particle.
+/// Half the sum of absolute differences of two histograms: 0 identical, 1 without a common
+/// particle.
 double difference(const Measured& a, const Measured& b, int at) {
   double sum = 0;
   const auto p = a.histogram(at), q = b.histogram(at);
@@ -317,7 +320,7 @@ struct Verdict {
   bool simplified, traditional;
   bool expected = true;  // false: known not to be so here, as docs/fluid.md says
 };
-/// What was published of each case (figures 6 to 9 of the paper), and whether it is so here.
+/// Published statements on each case (figures 6 to 9 of the paper), and whether they hold here.
 std::vector<Verdict> verdicts(const Scene& s, const Measured& a, const Measured& b) {
   std::vector<Verdict> all;
   const auto add = [&](const std::string& of, const auto& holds) {
@@ -356,7 +359,7 @@ std::vector<Verdict> verdicts(const Scene& s, const Measured& a, const Measured&
   const std::array<int, 2> at = s.kind == "hv"   ? std::array{3, 5}
                                 : s.kind == "vh" ? std::array{1, 3}
                                                  : std::array{7, 9};
-  // A tenth: what neighbouring bins of a few thousand particles of one rope differ by.
+  // A tenth: the difference of neighbouring bins of a few thousand particles of one rope.
   const bool alike = std::max(difference(a, b, at[0]), difference(a, b, at[1])) < 0.1;
   const bool as_said = s.kind == "hh" ? !alike : alike;
   all.push_back({s.kind == "hh" ? "the models differ" : "the models agree", as_said, as_said,
@@ -394,14 +397,14 @@ int simulate(const Scene& s, const example::Options& options) {
     summary.result("fluid_steps_" + name, r.fluid_steps);
     summary.result("particles_inside_" + name, r.inside);
     summary.result("wall_time_s_" + name, r.seconds);
-    // A particle that is deleted without leaving by the outlet, or counted twice as it does.
+    // Fails for a particle deleted without leaving by the outlet, or counted twice.
     summary.check_at_most("particles_lost_" + name, std::abs(r.placed - r.left - r.inside), 0);
-    // In the traditional model the volume of particles that come and go counts.
+    // In the traditional model the volume of entering and leaving particles matters.
     summary.check_at_most("gas_out_over_in_less_1_" + name, r.flow_error,
                           name == "simplified" ? 1e-4 : 0.02);
-    // Solids that found no room in a cell, and would be left out of the balance.
+    // Fails for solids that did not fit into a cell, and would be missing in the balance.
     summary.check_at_most("clipped_solids_m3_" + name, r.clipped, 0);
-    // A bend whose particles do not go to its outer wall.
+    // Fails for a bend whose particles do not move to its outer wall.
     summary.check_at_least("mean_across_at_bend_exit_" + name, m.mean_across(0), 0.6);
     summary.check_at_least("particles_seen_at_bend_exit_" + name,
                            static_cast<double>(m.section(0).size()), 20);
@@ -415,9 +418,9 @@ int simulate(const Scene& s, const example::Options& options) {
     for (const auto& v : verdicts(s, simple.measured, full.measured)) {
       summary.result("as_published_simplified: " + v.of, v.simplified);
       summary.result("as_published_traditional: " + v.of, v.traditional);
-      // Checks of the run that docs/fluid.md describes, or a longer one: a rope on the wrong side
-      // of the pipe, models that part where they are known to agree - or a table there that is no
-      // longer true.
+      // Only for the run described in docs/fluid.md, or a longer one. Fails for a rope on the wrong
+      // side of the pipe, for models that differ where they are known to agree, and for an outdated
+      // table there.
       if (s.duration < Scene{}.duration) continue;
       const std::string name = (v.expected ? "as_published_" : "not_as_published_");
       summary.check_at_least(name + "simplified: " + v.of, v.simplified == v.expected, 1);

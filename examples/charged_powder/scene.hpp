@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The charged powder's scene, the closed forms of its grains, and books of charges and of who
-// sticks.
+// The scene of the charged powder, closed forms for its grains, and records of charges and of the
+// grains that stick.
 
 #include <algorithm>
 #include <array>
@@ -40,8 +40,8 @@ struct Scene {
   Law::Material metal() const {
     return {.youngs_modulus = 2e7, .poisson_ratio = 0.3, .restitution = 0.7, .friction = friction};
   }
-  /// Of a grain on the plate: charge at which no more passes [C]; shares of it that hold the
-  /// weight.
+  /// For a grain on the plate: the charge at which transfer stops [C]; the fractions of it whose
+  /// image force equals the weight.
   double saturation(double radius) const {
     return 2 * std::numbers::pi * Charge::eps0 * radius * radius * voltage / delta;
   }
@@ -49,12 +49,14 @@ struct Scene {
     const double weight = density * silt::Sphere::volume(radius) * g;
     return charge * charge / (16 * std::numbers::pi * Charge::eps0 * radius * radius) / weight;
   }
-  /// Where the image of a grain with this share of its saturation holds its weight [m].
+  /// Distance [m] at which the image force of a grain with this fraction of its saturation charge
+  /// equals its weight.
   double radius_at_limit(double share) const {
     return 3 * Charge::eps0 * std::pow(voltage * share / delta, 2) / (16 * density * g);
   }
   double early() const { return 0.15 * shaken; }  // [s] when a picture is taken
-  /// What n impacts do that press a grain into the plate by `overlap` [m]: 1/n0 of the exponential.
+  /// Effect of n impacts that press a grain into the plate by `overlap` [m]: 1/n0 of the
+  /// exponential.
   double charging(double radius, double approach) const {
     const Law::Material a = powder(), b = metal();
     const double overlap =
@@ -88,13 +90,14 @@ struct Charges {
   }
 };
 
-/// How many grains of each size stick to the plate turned over, and whether those do that should.
+/// Number of grains of each size that stick to the inverted plate, and whether these are the right
+/// ones.
 struct Sticking {
   static constexpr std::size_t classes = 14;
   std::array<double, classes> stick{}, held{}, all{};
   double sum = 0, judged = 0, wrong = 0;
 
-  /// `hold` [-]: by the image, over the weight; within 10 % of it nothing is said.
+  /// `hold` [-]: image force over weight; within 10 % of 1 a grain is not judged.
   void add(const Scene& s, double radius, double hold, bool sticks) {
     const double place = (radius - s.r_min) / (s.r_max - s.r_min) * classes;
     const auto c = std::min(static_cast<std::size_t>(place), classes - 1);

@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Wear of a transfer chute: ore falls onto a steep steel plate, slides down, goes through a bend
-// and leaves. A batch is fed and leaves, so that each place has seen all of it. What sliding
-// (Archard) and impacts (Finnie) wear is compared with contacts and impacts as they are read by
-// other ways, with the work of friction, and with a block that slides down.
+// Wear of a transfer chute: ore falls onto a steep steel plate, slides down, passes a bend and
+// leaves. A batch is fed and leaves entirely: the whole batch has passed each place. Wear by
+// sliding (Archard) and by impacts (Finnie) is compared with values from contacts and impacts
+// recorded by other means, with the friction work, and with a sliding block.
 
 #include <algorithm>
 #include <array>
@@ -24,7 +24,7 @@ using silt::Vec3d;
 using Law = silt::HertzMindlin;
 using Sliding = silt::Wear<silt::Archard>;
 using Cutting = silt::Wear<silt::Finnie>;
-/// A law of one's own: the work of friction on each facet, in J in place of m3.
+/// A user-defined law: the friction work on each facet, in J instead of m3.
 struct FrictionWork {
   double volume(const silt::WallRub& c) const { return c.tangential_force * c.slip * c.duration; }
 };
@@ -35,7 +35,7 @@ auto make_simulation(const Scene& s) {
       .youngs_modulus = 3e7, .poisson_ratio = 0.3, .restitution = 0.3, .friction = 0.5};
   const Law::Material steel{
       .youngs_modulus = 6e7, .poisson_ratio = 0.3, .restitution = 0.3, .friction = s.friction};
-  // Grains of ore are not round: rolling resistance above friction, so that they slide.
+  // Grains of ore are not round: rolling resistance above friction makes them slide.
   silt::Contacts<Law, silt::RollingEpsd, silt::SeveralMaterials> contacts{
       {ore, steel}, {.rolling_friction = 0.5}};
   contacts.set_pair(ore, steel, {.restitution = 0.3, .friction = s.friction});
@@ -70,7 +70,7 @@ Worn worn_by(const Sim& sim, const Scene& s) {
   return worn;
 }
 
-/// Wear by other routes than the modules': from contacts that are read now and then, and impacts.
+/// Wear computed without the modules: from contacts sampled at intervals, and from impacts.
 struct Seen {
   static constexpr double sample = 0.5e-3;  // [s]
   Worn sliding, impacts;
@@ -95,7 +95,7 @@ struct Seen {
   }
 };
 
-/// Feeds the batch until all of it has left, and returns how much left [kg/s] in the steady part.
+/// Feeds the batch until all of it has left; returns the outflow [kg/s] in the steady part.
 template <class Sim>
 double run(Sim& sim, const Scene& s, const std::string& out, Seen& seen) {
   auto contacts =
@@ -128,7 +128,7 @@ double run(Sim& sim, const Scene& s, const std::string& out, Seen& seen) {
   return flow;
 }
 
-/// Depths in mm after 100 000 t, and at which angles impacts wear.
+/// Depths in mm after 100 000 t, and the angles at which impacts cause wear.
 void write_tables(const Scene& s, const std::string& out, const Worn& slid, const Worn& cuts,
                   const Seen& seen, double fed) {
   silt::CsvTable profile(out + "/profile.csv", {"place [m]", "sliding", "sliding by contacts",

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The chute's scene, its mesh, and the closed forms that its wear is compared with.
+// The chute's scene, its mesh, and the closed forms for its wear.
 
 #include <algorithm>
 #include <array>
@@ -44,11 +44,11 @@ struct Scene {
   double landing() const {  // [m] where the middle of what falls meets the plate
     return 0.5 * (inlet().min.x + inlet().max.x) / std::cos(radians(steep));
   }
-  /// Slope [rad] at a way s [m] from the upper end.
+  /// Slope [rad] at the distance s [m] along the chute from the upper end.
   double slope(double s) const {
     return radians(steep) - std::clamp((s - upper) / radius, 0.0, radians(steep - flat));
   }
-  /// The point at s, y, and a height h above the floor.
+  /// The point at s, y, and the height h above the floor.
   Vec3d at(double s, double y, double h) const {
     const double top = radians(steep), t = slope(s), l = std::max(s - upper - bend(), 0.0);
     const double u = std::min(s, upper), r = radius;
@@ -57,7 +57,7 @@ struct Scene {
         y,
         -u * std::sin(top) + r * (std::cos(top) - std::cos(t)) - l * std::sin(t) + h * std::cos(t)};
   }
-  /// The way s of a point on or above the chute.
+  /// The distance s of a point on or above the chute.
   double place(const Vec3d& p) const {
     const double top = radians(steep), end = radians(flat);
     const double s = p.x * std::cos(top) - p.z * std::sin(top);
@@ -83,7 +83,7 @@ struct Scene {
   }
 };
 
-/// Volumes [m3] of the floor by place, and of the whole chute.
+/// Volumes [m3] of the floor by position, and of the whole chute.
 struct Worn {
   std::vector<double> floor;
   double all = 0;
@@ -94,7 +94,7 @@ struct Worn {
     if (std::abs(normal.y) < 0.5) floor[std::min(k, floor.size() - 1)] += volume;
   }
 };
-/// Finnie's law as textbooks write it, of speed [m/s] and angle [rad].
+/// Finnie's law in its textbook form, of speed [m/s] and angle [rad].
 inline double cut(const silt::Finnie& law, double mass, double speed, double angle) {
   const double K = law.force_ratio;
   const double f = std::tan(angle) <= K / 6
@@ -102,13 +102,13 @@ inline double cut(const silt::Finnie& law, double mass, double speed, double ang
                        : K / 6 * std::pow(std::cos(angle), 2);
   return law.share_cutting * mass * speed * speed * f / (law.flow_stress * law.depth_ratio * K);
 }
-/// Depth [m/kg] that Archard's law gives a block, which falls onto the plate and slides down with
-/// the whole flow: k/(H b) (g cos(slope) + v^2/r), whatever the thickness of the flow. 0 before it
+/// Depth [m/kg] by Archard's law of a block that falls onto the plate and slides down with the
+/// whole flow: k/(H b) (g cos(slope) + v^2/r), independent of the flow's thickness. 0 before it
 /// lands.
 inline std::vector<double> block(const Scene& s) {
   const double top = Scene::radians(s.steep), start = s.landing();
   const double fall = 0.5 * (s.inlet().min.z + s.inlet().max.z) + start * std::sin(top) - s.r_max;
-  // What goes across the plate is lost, and friction takes its share of that impulse.
+  // The normal velocity is lost, and friction removes its share of that impulse.
   double v =
       std::sqrt(s.feed * s.feed + 2 * s.g * fall) * (std::sin(top) - s.friction * std::cos(top));
   std::vector<double> depth(Worn(s).floor.size(), 0.0);

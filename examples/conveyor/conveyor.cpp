@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A transfer between two belts. Ore and its fines come onto a belt, which throws them at a hinged
-// plate; they fall onto a second belt, which carries them off across. What a plant wants to know:
-// the throughput, how long material takes, the power of the belts, and where the plate hangs.
+// A transfer point between two belts. Ore and fines enter on a belt, which throws them at a hinged
+// plate; they fall onto a second belt, which carries them away at a right angle. Results of
+// interest for a plant: throughput, residence time, power of the belts, and position of the plate.
 
 #include <array>
 #include <cmath>
@@ -23,7 +23,7 @@ using Law = silt::HertzMindlin;
 
 constexpr double g = 9.81;  // [m/s2]
 
-/// Counts how long each grain has been there.
+/// Residence time of each grain.
 struct Age {
   struct Fields {
     double age = 0;  // [s]
@@ -45,7 +45,7 @@ struct Scene {
   static constexpr double skirt = 0.08;                                 // [m] height
   static constexpr double at_plate = 0.11, hinge = 0.43, plate = 0.29;  // [m]
 
-  // The feed: a quarter of the number are lumps, the rest is fines.
+  // The feed: a quarter of the grains by number are lumps, the rest fines.
   static constexpr double lumps = 0.25, small[2] = {3e-3, 5e-3}, large[2] = {6e-3, 8e-3};  // [m]
 
   double steady() const {  // [s] from when the flow is: half as long again as both belts take
@@ -58,8 +58,8 @@ struct Scene {
     };
     return (1 - lumps) * of(small) + lumps * of(large);
   }
-  /// Standard deviation of what comes in a time [s], over its mean [-]: grains in number as asked
-  /// for, of random masses.
+  /// Standard deviation of the mass fed within a time [s], over its mean [-]: the number of grains
+  /// is exact, their masses are random.
   double scatter(double time) const {
     const double mass = density * silt::Sphere::volume(1) * moment(3);
     return std::sqrt((moment(6) / (moment(3) * moment(3)) - 1) * mass / (rate * time));
@@ -182,7 +182,7 @@ int simulate(const Scene& s, const example::Options& options) {
                                  held.mass,         at.outlet(0).mass,
                                  at.outlet(1).mass, at.wall("plate").state.way * 180 / M_PI};
   };
-  // Means over the time in which the flow is steady.
+  // Means over the time of steady flow.
   double degrees = 0, lever = 0, age = 0, momentum = 0, weight = 0;
   std::size_t samples = 0;
   const auto mean = [&](const auto& at) {

@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Low-speed impact: a ball of metal, a free body made of a mesh, falls from several heights onto a
-// bed of grains and stops in it. The bed is settled once; each drop goes on from its checkpoint in
-// a scene that has changed: with the ball, other restitution and another time step. Once more it
-// goes on with gravity tilted, which gives the angle of repose that the law of the depths needs.
+// Low-speed impact: a metal ball, a free body made of a mesh, falls from several heights onto a bed
+// of grains and stops in it. The bed settles once; each drop continues from its checkpoint in a
+// modified scene: with the ball, another restitution and another time step. One more run continues
+// with tilted gravity; it gives the angle of repose for the depth law.
 
 #include <algorithm>
 #include <array>
@@ -24,7 +24,7 @@ namespace {
 using crater::Drop, crater::g, crater::Scene, crater::Surface;
 using silt::Vec3d;
 
-/// Where each grain is, how fast, and how it spins, by its id.
+/// Position, velocity and angular velocity of each grain, by its id.
 struct State {
   std::map<std::uint64_t, std::array<Vec3d, 3>> grains;
   template <class Sim>
@@ -32,7 +32,7 @@ struct State {
     for (std::size_t k = 0; k < sim.rows(); ++k)
       grains[sim.id(k)] = {sim.position(k), sim.velocity(k), sim.angular_velocity(k)};
   }
-  /// How many are not exactly as they are there.
+  /// Number of grains that are not exactly equal to these.
   std::size_t differ(const State& from) const {
     std::size_t count = grains.size() > from.grains.size() ? 0 : from.grains.size() - grains.size();
     for (const auto& [id, state] : grains) {
@@ -43,7 +43,7 @@ struct State {
   }
 };
 
-/// What is settled once: the checkpoint, and what was read of it.
+/// Results of settling: the checkpoint, and what was measured in the bed.
 struct Bed {
   std::string file;
   State state;
@@ -51,7 +51,7 @@ struct Bed {
   double density() const { return fraction * Scene::density; }  // [kg/m3] of the bed
 };
 
-/// How the body is at a time, and what it has of its books.
+/// State of the body at a time, and its balances.
 struct Sample {
   double time, depth, speed;  // [s] since it met the bed's level, [m], [m/s] downwards
   double force;               // [N] upwards, mean since the last sample
@@ -94,7 +94,7 @@ Bed settle(const Scene& s, const example::Options& options) {
           surface.slope()};
 }
 
-/// [degrees] The bed goes on with gravity tilted, and flows until its surface is no steeper.
+/// [degrees] The bed continues with tilted gravity, and flows until its surface is no steeper.
 double repose(const Scene& s, const Bed& bed, const example::Options& options) {
   std::printf("gravity tilted by %.0f degrees\n", s.tilt);
   auto sim = make_simulation(s, false);
@@ -107,7 +107,7 @@ double repose(const Scene& s, const Bed& bed, const example::Options& options) {
   return s.tilt - Surface(s, sim).slope() + bed.slope;
 }
 
-/// Watches a drop: samples, and the books of momentum, spin and energy.
+/// Observes a drop: samples, and the balances of momentum, angular momentum and energy.
 class Watch {
  public:
   template <class Sim>
@@ -122,7 +122,7 @@ class Watch {
   double depth(const Sim& sim) const {  // [m] of the ball's lowest point below the bed's level
     return bed_.level - sim.wall("body").state.centre.z + s_.body() / 2;
   }
-  /// Where a picture of the ball on its way is to go; it is taken as it has lost half its speed.
+  /// File for a picture of the ball in motion; it is taken when the ball has lost half its speed.
   void take_picture(const std::string& folder) { folder_ = folder; }
 
   template <class Sim>
@@ -141,7 +141,7 @@ class Watch {
       folder_.clear();
     }
   }
-  /// What the body has lost since the first look, and where the ledger says that it is.
+  /// Energy lost by the body since the first sample, and its distribution in the ledger.
   template <class Sim>
   void close_books(const Sim& sim) {
     const silt::EnergyBalance end = sim.energy();
@@ -151,8 +151,9 @@ class Watch {
   }
 
  private:
-  /// Momentum, and spin about the vertical through the reference, less what loads and weight have
-  /// given: neither may change. Velocities of the half step, which all loads so far have pushed.
+  /// Momentum, and angular momentum about the vertical through the reference, minus the impulses of
+  /// loads and weight: both must stay constant. Velocities are those of the half step, to which all
+  /// loads so far have contributed.
   template <class Sim>
   void compare_loads(const Sim& sim) {
     const auto& wall = sim.wall("body");
@@ -179,7 +180,7 @@ class Watch {
   double spin_ = 0;
 };
 
-/// What is left of a drop: grains with how far they have moved, walls, samples.
+/// Results of a drop: grains with their displacements, walls, samples.
 template <class Sim>
 void write_drop(const std::string& name, const Sim& sim, const State& before, double mass,
                 const Outcome& out) {
@@ -195,7 +196,7 @@ void write_drop(const std::string& name, const Sim& sim, const State& before, do
     table.add_row({p.time, p.depth, p.speed, p.force / (mass * g) - 1});
 }
 
-/// One drop, from the checkpoint; the `last` leaves pictures of its way down.
+/// One drop, from the checkpoint; the `last` writes pictures of its way down.
 Outcome fall(const Scene& s, const Bed& bed, const Drop& drop, bool last,
              const example::Options& options) {
   std::printf("%.0f kg/m3 from %.0f mm\n", drop.density, 1e3 * drop.height);
@@ -236,7 +237,7 @@ Outcome fall(const Scene& s, const Bed& bed, const Drop& drop, bool last,
   return out;
 }
 
-/// What all drops say together: ln(depth/D) = c + n ln(H/D) + b ln(density of ball over bed).
+/// Fit of all drops: ln(depth/D) = c + n ln(H/D) + b ln(density of ball over bed).
 silt::LinearFit fit_depths(const Scene& s, const Bed& bed, const std::vector<Outcome>& all) {
   const auto n = static_cast<Eigen::Index>(all.size());
   Eigen::MatrixXd x(n, 3);
@@ -267,7 +268,7 @@ struct ForceLaw {
     d1 = 1 / fit.value[0], d1_error = d1 * fit.error[0] / fit.value[0];
     k = fit.value[1], k_error = fit.error[1];
   }
-  /// [m] at which it stops a ball, at most the bed's depth.
+  /// [m] at which this law stops a ball, at most the bed's depth.
   double depth(const Scene& s, const Drop& drop) const {
     double z = 0, v = drop.speed();
     for (const double dt = 1e-5; v > 0 && z < s.bed(); z += v * dt)
@@ -310,8 +311,8 @@ void report_drops(example::Summary& summary, const Scene& s, const Bed& bed, dou
   }
 }
 
-/// Depths. Other laws of force would give other powers: of the height 1 (a constant force) or 1/2
-/// (one that grows with depth alone), of the density 1 (inertia alone).
+/// Depths. Other force laws would give other exponents: of the height 1 (constant force) or 1/2
+/// (force proportional to depth alone), of the density 1 (inertia alone).
 void check_depths(example::Summary& summary, const Scene& s, const Bed& bed, double mu,
                   const silt::LinearFit& fit, std::vector<Outcome> all, bool quick) {
   double sum = 0;
@@ -344,9 +345,10 @@ void check_depths(example::Summary& summary, const Scene& s, const Bed& bed, dou
                        "to half a grain, up to 10 % of a depth; the factor 0.14 is recalled");
 }
 
-/// Katsuragi and Durian, Phys. Rev. E 87 (2013) 052208, abstract: inertia resists as in a fluid,
-/// which makes d1 grow with the ball's density, friction with its square root, so that k falls with
-/// it. Two densities tell it; a ball of few grains feels single ones too much.
+/// Katsuragi and Durian, Phys. Rev. E 87 (2013) 052208, abstract: inertial drag as in a fluid, with
+/// d1 increasing with the ball's density; friction proportional to its square root, so k decreases
+/// with it. Two densities show this; a ball of the size of a few grains feels single grains too
+/// strongly.
 void check_forces(example::Summary& summary, const Scene& s, const std::vector<ForceLaw>& laws,
                   bool quick) {
   for (const ForceLaw& law : laws) {
@@ -373,19 +375,19 @@ void check_books(example::Summary& summary, const Scene& s, const Bed& bed,
   };
   summary.check_at_most("grains_not_as_in_the_checkpoint",
                         most([](const Outcome& o) { return o.changed; }), 0);
-  // Rounding of some 1e4 steps.
+  // Rounding over about 1e4 steps.
   summary.check_at_most("momentum_off_the_loads", most([](const Outcome& o) { return o.momentum; }),
                         1e-11);
   summary.check_at_most("spin_off_the_loads", most([](const Outcome& o) { return o.spin; }), 1e-11);
-  // Second order in the time step; 2e-4 of it were seen.
+  // Second order in the time step; 2e-4 was observed.
   summary.check_at_most("energy_off_the_books",
                         most([](const Outcome& o) { return std::abs(o.booked / o.lost - 1); }),
                         2e-3);
-  // Walls do not touch each other: nothing but grains holds the ball above the floor.
+  // Walls do not touch each other: only grains hold the ball above the floor.
   summary.check_at_least("bed_under_the_ball_over_ball",
                          (bed.level - most([](const Outcome& o) { return o.depth; })) / s.body(),
                          0.3);
-  // It still swings a little on the grains that bear it.
+  // It still oscillates slightly on the grains below it.
   summary.check_at_most("load_at_rest_off_the_weight",
                         most([](const Outcome& o) { return std::abs(o.bears - 1); }), 0.1);
 }

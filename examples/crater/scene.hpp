@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The crater's scene: a bed that is settled once, and what changes as it goes on; where its surface
-// is; fits of the laws of depth and force.
+// Scene of the crater: a bed that settles once, and the changes for each continuation; position of
+// its surface; fits of the depth and force laws.
 
 #include <algorithm>
 #include <cmath>
@@ -42,7 +42,8 @@ struct Scene {
     const double solid = 0.585 * std::numbers::pi * pot() * pot() * bed();
     return static_cast<std::size_t>(solid / mean_volume());
   }
-  /// Grains lose nearly all in an impact while they settle; after that they are those of glass.
+  /// While settling, grains lose nearly all energy at each impact; afterwards they have the
+  /// properties of glass.
   Law::Material glass(bool settles) const {
     return {.youngs_modulus = 1e7,
             .poisson_ratio = 0.25,
@@ -59,14 +60,14 @@ struct Scene {
   }
 };
 
-/// What is dropped, from where, and the level [m] that it falls to.
+/// The dropped ball, its height, and the level [m] onto which it falls.
 struct Drop {
   double density, height, level;                              // [kg/m3], [m] of free fall, [m]
   double speed() const { return std::sqrt(2 * g * height); }  // [m/s] at the level
 };
 
-/// The pot with its bed; of a drop, with the body too, just over the bed with the speed of its
-/// fall; other grains than those that settled, unless it `settles`.
+/// The pot with its bed; in a drop also the body, just above the bed with its impact speed, and
+/// other grain properties than in settling, unless it `settles`.
 inline auto make_simulation(const Scene& s, bool settles, const std::optional<Drop>& drop = {}) {
   silt::Contacts<Law, silt::SeveralMaterials> contacts{s.glass(settles)};
   if (drop) {
@@ -97,15 +98,15 @@ inline auto make_simulation(const Scene& s, bool settles, const std::optional<Dr
   return sim;
 }
 
-/// Depth [balls] at which a ball is at rest that is `over` times as dense as the bed and has fallen
-/// by `fall` [balls], its depth included: 0.14/mu over^(1/2) fall^(1/3), mu the tangent of the
-/// angle of repose. J. S. Uehara, M. A. Ambroso, R. P. Ojha, D. J. Durian, Phys. Rev. Lett. 90
-/// (2003) 194301; the powers as in their abstract, the factor recalled.
+/// Depth [balls] at which a ball comes to rest that is `over` times as dense as the bed and has
+/// fallen by `fall` [balls], its depth included: 0.14/mu over^(1/2) fall^(1/3), mu the tangent of
+/// the angle of repose. J. S. Uehara, M. A. Ambroso, R. P. Ojha, D. J. Durian, Phys. Rev. Lett. 90
+/// (2003) 194301; the exponents as in their abstract, the factor recalled.
 inline double law_depth(double mu, double over, double fall) {
   return 0.14 / mu * std::sqrt(over) * std::cbrt(fall);
 }
 
-/// Where the bed's surface is: the solid above a height, packed as below it.
+/// Height of the bed's surface: the solid volume above a height, packed as below it.
 class Surface {
  public:
   template <class Sim>
@@ -121,7 +122,7 @@ class Surface {
   }
   double level() const { return level_; }        // [m]
   double fraction() const { return fraction_; }  // [-] of solid
-  /// Slope [degrees] towards +x of the surface's middle, by strips across x.
+  /// Slope [degrees] towards +x of the middle of the surface, from strips across x.
   double slope() const {
     const double width = 2 * scene_.grain, half = 0.3 * scene_.pot(), low = 0.2 * scene_.bed();
     double n = 0, x = 0, z = 0, xx = 0, xz = 0;
@@ -140,7 +141,7 @@ class Surface {
     Vec3d at;
     double radius;
   };
-  /// [m3] above a height, of grains whose middles are inside.
+  /// [m3] above a height, of grains whose centres are inside.
   template <class Inside>
   double solid_over(double height, const Inside& inside) const {
     double sum = 0;

@@ -1,7 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A dam breaks: a column of water, a wide and 2 a high, stands at a wall, is let go and runs along
-// the floor. Its front and its height are set beside measured ones, and its energy is followed.
+// Dam break: a column of water with the width a and the height 2 a stands at a wall, is released
+// and runs along the floor. Its front and height are compared with measurements, and its energy is
+// followed.
 
 #include <algorithm>
 #include <array>
@@ -37,13 +38,13 @@ struct Scene {
   double unit() const { return std::sqrt(a / (2 * g)); }    // [s] of T
   double fall() const { return std::sqrt(2 * g * 2 * a); }  // [m/s] from the column's height
   double across() const { return 1e-3 * spacing; }          // [m]
-  // [m] after which a channel in 3D repeats: about a, a whole number of spacings.
+  // [m] period of a channel in 3D: about a, a whole number of spacings.
   double breadth() const { return three_dimensional ? std::round(a / across()) * across() : 0; }
 };
 
 auto make_water(const Scene& s) {
   const double a = Scene::a, length = Scene::length * a, breadth = s.breadth();
-  // The region ends behind the walls, which may let a particle through by a part of its spacing.
+  // The region ends behind the walls: a particle may penetrate them by a fraction of its spacing.
   const double more = 3 * s.across();
   silt::Sph water{silt::Liquid{.density = 1000, .sound_speed = s.sound * s.fall()},
                   {.spacing = s.across(),
@@ -60,9 +61,9 @@ auto make_water(const Scene& s) {
   return water;
 }
 
-/// The liquid now: front over a, that of liquid which is 0.2 a deep, height at the wall over 2 a,
-/// energies over the potential one at the start, largest speed over that of sound, largest change
-/// of density.
+/// The liquid at present: front over a, front of the liquid 0.2 a deep, height at the wall over 2
+/// a, energies over the initial potential energy, largest speed over the speed of sound, largest
+/// change of density.
 struct Look {
   double front = 0, deep = 0, height = 0, kinetic = 0, potential = 0, elastic = 0, speed = 0,
          density = 0;
@@ -167,11 +168,12 @@ void report(example::Summary& summary, const Scene& s, const Water& water, const
   const Curve mm = dam_break::martin_moyce_front(), ko = dam_break::koshizuka_oka_front(),
               measured = dam_break::martin_moyce_height();
   for (const Curve& c : {mm, ko, measured}) write_curve(out, c);
-  // Where both were measured at one T, the fronts of the two are up to 9 % apart: the second one's
-  // falls behind from T = 2.3 on.
+  // Where both experiments have values at one T, their fronts differ by up to 9 %: the second is
+  // slower from T = 2.3 on.
   compare_front(summary, front, mm, "martin_moyce", s.sticking ? 0.12 : 0.03);
   compare_front(summary, front, ko, "koshizuka_oka", 0.08);
-  // A thin wedge runs ahead, which friction holds back in the experiment (docs/sph.md).
+  // In the simulation a thin wedge runs ahead; in the experiment friction holds it back
+  // (docs/sph.md).
   const Curve deep = record.curve(&Look::deep);
   const double off_mm = dam_break::distance(deep, mm, 0).share,
                off_ko = dam_break::distance(deep, ko, 0).share;
@@ -183,8 +185,8 @@ void report(example::Summary& summary, const Scene& s, const Water& water, const
   const double off = dam_break::distance(height, measured, 0).plain;
   std::printf("Height: %.1f %% of 2 a rms off.\n", 100 * off);
   summary.result("height_off_martin_moyce_over_2_a", off);
-  // Half a spacing is a quarter of s/a; 1 % was seen of fine ones. A wall that it sticks to holds
-  // it up.
+  // Half a spacing is a quarter of s/a; 1 % was observed with fine spacings. A no-slip wall slows
+  // the liquid.
   if (!s.sticking)
     summary.check_at_most("height_off_martin_moyce", off, 0.01 + 0.25 * s.across() / Scene::a);
   double fastest = 0, grown = 0;
@@ -198,16 +200,16 @@ void report(example::Summary& summary, const Scene& s, const Water& water, const
   summary.check_at_most("front_speed_over_ritters", fastest / 2, 1);
   const Look& end = record.looks.back();
   summary.result("energy_at_the_end", end.energy());
-  // The layer at walls that it sticks to takes much of its energy.
+  // The boundary layer at no-slip walls dissipates much of the energy.
   if (s.sticking) {
     summary.result("energy_over_that_at_the_start", end.energy() / record.looks.front().energy());
   } else {
-    // Seen: 1.3 % of a/20, 0.5 % of a/80 in 2D, 4.6 % of a/10 in 3D.
+    // Observed: 1.3 % for a/20, 0.5 % for a/80 in 2D, 4.6 % for a/10 in 3D.
     summary.check_within("energy_over_that_at_the_start",
                          end.energy() / record.looks.front().energy(), 1,
                          0.003 + 0.8 * s.across() / Scene::a * std::max(1.0, s.alpha / 0.02),
                          "artificial viscosity, in proportion to alpha h");
-    // Seen: 2e-7 at the most; 2.4e-3 where liquid that parts from a wall loses density.
+    // Observed: 2e-7 at most; 2.4e-3 where liquid that separates from a wall loses density.
     summary.check_at_most("energy_that_came_from_nothing", grown, 1e-3);
   }
   summary.check_at_most("largest_change_of_density", record.most(&Look::density), 0.05);

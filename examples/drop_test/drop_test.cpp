@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Drop test: grains of three sizes are thrown against a plate of steel, one by one, at a series of
-// speeds. The share that breaks is set beside the selection function, the sizes of the fragments
-// beside the breakage function. Then the same grains are thrown again and again at speeds that most
-// of them survive at first: fatigue.
+// Drop test: single grains of three sizes hit a steel plate at a series of speeds. The fraction
+// that breaks is compared with the selection function, the fragment sizes with the breakage
+// function. Then the same grains hit the plate repeatedly at speeds that most of them survive at
+// first: fatigue.
 
 #include <algorithm>
 #include <array>
@@ -21,8 +21,8 @@ namespace {
 using drop_test::Scene;
 using silt::Vec3d;
 
-/// Grains side by side over the plate, far apart, each `gap` [m] above it and on its way down;
-/// their ids are 0, 1, ... No gravity, so that all meet it at this speed.
+/// Grains side by side above the plate, far apart, each at the height `gap` [m] and moving down;
+/// their ids are 0, 1, ... No gravity: all hit the plate at the same speed.
 auto make_simulation(const Scene& s, double diameter, double speed, double gap,
                      std::uint64_t seed) {
   silt::Contacts<drop_test::Law, silt::SeveralMaterials> contacts{{s.salt(), s.steel()}};
@@ -45,18 +45,18 @@ auto make_simulation(const Scene& s, double diameter, double speed, double gap,
           {.dust_below = Scene::dust * diameter, .most_fragments = Scene::most, .seed = seed}},
       silt::EnergyLedger{}};
   sim.gravity = {0, 0, 0};
-  // Small fragments between the plate and a large one are pressed deeper than alone.
+  // Small fragments between the plate and a large one have larger overlaps than alone.
   sim.guard.max_overlap = 0.6;
   sim.time_step = s.touching(Scene::dust * diameter, speed) / 40;
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, s.steel(), {.name = "plate"});
   return sim;
 }
 
-/// What all runs must keep: the worst of each.
+/// Conservation errors: the worst of all runs.
 struct Books {
   double mass = 0, momentum = 0, energy = 0;  // [-] unexplained, over all that there was
 
-  /// `start`: momentum along z of all grains; `dust`: that which dust took along [kg m/s].
+  /// `start`: momentum along z of all grains; `dust`: momentum carried away by dust [kg m/s].
   template <class Sim>
   void add(const Sim& sim, double start, double dust) {
     const auto balance = sim.mass_balance();
@@ -65,7 +65,7 @@ struct Books {
     double held = dust;
     for (std::size_t k = 0; k < sim.rows(); ++k)
       if (sim.is_present(k)) held += sim.mass(k) * sim.velocity(k).z;
-    // The velocities are those of now: the last force has acted for half of its step.
+    // The velocities are those of the present: the last force has acted for half of its step.
     const double taken = plate.impulse.z - 0.5 * sim.step_length() * plate.force.z;
     momentum = std::max(momentum, std::abs((held + taken) / start - 1));
     const auto e = sim.energy();
@@ -89,15 +89,15 @@ struct Throw {
   double off() const { return (share() - expected) / deviation(); }
 };
 
-/// Share of the mass finer than each size, of all fragments and their dust: seen, and by the
+/// Mass fraction finer than each size, of all fragments and their dust: observed, and by the
 /// breakage function of each grain that broke.
 struct Sizes {
   std::vector<double> x;                    // [m]
   std::vector<double> seen, wanted, error;  // [-]; standard error of `seen`
 };
 
-/// Sizes to look at: down to the dust limit four for each factor of 2, below it the edges of the
-/// table of dust.
+/// Sizes at which they are compared: down to the dust limit four per factor of 2, below it the
+/// edges of the dust table.
 std::vector<double> sizes_to_see(double diameter) {
   std::vector<double> x;
   const double least = Scene::dust * diameter;
@@ -132,8 +132,8 @@ Sizes see_sizes(const Scene& s, const Sim& sim, double diameter,
   return out;
 }
 
-/// Throws the grains once and looks at them when they have left the plate; fragments are still on
-/// their way and do not break further.
+/// One throw. Evaluated when the grains have left the plate; the fragments are still in flight and
+/// do not break further.
 Throw throw_once(const Scene& s, double diameter, double speed, std::uint64_t seed, Books& books,
                  const std::string& picture, Sizes* sizes, int threads) {
   Throw out{diameter, speed, s.grains, s.selection(diameter, speed)};
@@ -157,7 +157,7 @@ Throw throw_once(const Scene& s, double diameter, double speed, std::uint64_t se
   return out;
 }
 
-/// The same grains thrown again and again at one speed.
+/// Repeated throws of the same grains at one speed.
 struct Again {
   double speed;  // [m/s]
   std::size_t grains;
@@ -186,8 +186,8 @@ struct Again {
   }
 };
 
-/// After each impact the fragments are taken away and the whole grains thrown back, from where they
-/// are: each round has them as far from the plate as the one before.
+/// After each impact the fragments are removed and the unbroken grains thrown back from their
+/// positions: each impact starts as far from the plate as the one before.
 Again throw_again(const Scene& s, double diameter, double speed, std::uint64_t seed, Books& books,
                   int threads) {
   Again out{speed, s.grains, {}, drop_test::broken_after(s, diameter, speed, s.again)};
@@ -242,8 +242,8 @@ void write_fatigue(const std::string& file, const std::vector<Again>& all) {
                      3 * a.share_deviation(k)});
 }
 
-/// A normal deviate is beyond this, on one side, with a probability of 1e-4: a seed in ten thousand
-/// would fail each of these checks though nothing is wrong.
+/// A normal deviate exceeds this, on one side, with a probability of 1e-4: each of these checks
+/// fails by chance for one seed in ten thousand.
 constexpr double rare = 3.719;
 
 void check_shares(example::Summary& summary, const std::vector<Throw>& all) {
@@ -267,8 +267,8 @@ void check_shares(example::Summary& summary, const std::vector<Throw>& all) {
                        "probability of 2e-4");
 }
 
-/// Without fatigue none breaks after the first impact; with one that acts in each step of a contact
-/// nearly all break at the second.
+/// Fails for missing fatigue (no grain would break after the first impact), and for fatigue that
+/// acts at each step of a contact (nearly all would break at the second).
 void check_fatigue(example::Summary& summary, const std::vector<Again>& all) {
   for (const Again& a : all) {
     const std::string at = silt::text("at ", std::round(100 * a.speed) / 100, " m/s: ");
@@ -283,7 +283,7 @@ void check_fatigue(example::Summary& summary, const std::vector<Again>& all) {
   }
 }
 
-/// What the drawing of fragments may be off by: 0.16 % of the mass (docs/breakage.md).
+/// Allowed error of the random fragment sizes: 0.16 % of the mass (docs/breakage.md).
 void check_sizes(example::Summary& summary, const Sizes& sizes) {
   double worst = 0, most = 0;
   for (std::size_t k = 0; k < sizes.x.size(); ++k) {
@@ -298,8 +298,8 @@ void check_sizes(example::Summary& summary, const Sizes& sizes) {
 void check_books(example::Summary& summary, const Books& books) {
   summary.check_at_most("mass_unexplained", books.mass, 1e-12);
   summary.check_at_most("momentum_unexplained", books.momentum, 1e-11);
-  // Second order in the time step: forces of small fragments change much within one. 5e-5 were
-  // seen.
+  // Second order in the time step: forces of small fragments change much within one step. Observed:
+  // 5e-5.
   summary.check_at_most("energy_unexplained", books.energy, 1e-3);
 }
 
@@ -313,7 +313,7 @@ std::vector<Throw> throw_all(const Scene& s, const example::Options& options, Bo
       const double v = s.median_speed(d) * s.slowest * std::pow(s.fastest / s.slowest, along);
       const bool first = d == s.diameters.front(), middle = first && k == s.speeds / 2,
                  last = first && k + 1 == s.speeds;
-      // Each has a seed of its own: the same grains at all speeds would not be independent.
+      // Each throw has its own seed: the same grains at all speeds would not be independent.
       all.push_back(throw_once(s, d, v, 1000 * s.seed + all.size(), books,
                                middle ? options.out + "/after.vtp" : "", last ? &sizes : nullptr,
                                options.threads));

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The drop test's material and laws, and what they say that one impact, and many, should do.
+// Material and laws of the drop test, and their predictions for one impact and for many.
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,7 @@ namespace drop_test {
 using silt::Vec3d;
 using Law = silt::HertzMindlin;
 
-/// Grains of the synthetic material S and a plate of steel, both with their true moduli.
+/// Grains of the synthetic material S and a steel plate, both with their real moduli.
 struct Scene {
   std::vector<double> diameters{2e-3, 0.5e-3, 0.1e-3};  // [m]
   std::size_t grains = 4000;                            // of each size at each speed
@@ -53,10 +53,10 @@ struct Scene {
   }
   silt::PowerFatigue fatigue() const { return {.kappa = 0.1, .psi = 3}; }
 
-  /// An impact on the plate, by Hertz' formulas alone.
+  /// An impact on the plate, by Hertz' formulas only.
   silt::Impact impact(double diameter, double speed) const {
     const double m = mass(diameter), R = diameter / 2;
-    // By the dashpot, for contacts that the law ends at zero force: r^(3/2), r = e^(2/5).
+    // From the dashpot, for contacts that the law ends at zero force: r^(3/2), r = e^(2/5).
     const double lowered = std::pow(restitution, 0.6);
     const double kH = 4.0 / 3.0 * modulus() * std::sqrt(R);  // [N/m^1.5]
     return {.diameter = diameter,
@@ -68,7 +68,7 @@ struct Scene {
             .contact_force = NAN,
             .at_wall = true};
   }
-  /// [s] of contact with the plate.
+  /// [s] contact time with the plate.
   double touching(double diameter, double speed) const {
     return silt::hertz_contact_time(modulus(), diameter / 2, mass(diameter), speed);
   }
@@ -78,14 +78,15 @@ struct Scene {
   double selection(double diameter, double speed) const {  // [-]
     return silt::selection(strength(), equivalence(), impact(diameter, speed));
   }
-  /// [m/s] at which half of all grains break: the load grows as the speed to the power 6/5.
+  /// [m/s] at which half of all grains break: the load is proportional to the speed to the power
+  /// 6/5.
   double median_speed(double diameter) const {
     return std::pow(strength().median_at(diameter) / load(diameter, 1), 1 / 1.2);
   }
 };
 
-/// The number of the impact that breaks a grain of this strength, at most `most` + 1, if each has
-/// the same load.
+/// Number of the impact that breaks a grain of this strength, at most `most` + 1, under the same
+/// load at each impact.
 inline std::size_t breaking_impact(const silt::PowerFatigue& fatigue, double strength, double load,
                                    std::size_t most) {
   std::size_t n = 1;
@@ -93,8 +94,8 @@ inline std::size_t breaking_impact(const silt::PowerFatigue& fatigue, double str
   return n;
 }
 
-/// Share of all grains [-] that are broken after 1, 2, ... `most` impacts: those weaker than the
-/// strength from which on one more impact is needed, which bisection finds.
+/// Fraction of all grains [-] that are broken after 1, 2, ... `most` impacts: those weaker than the
+/// strength above which one more impact is needed. Bisection finds that strength.
 inline std::vector<double> broken_after(const Scene& s, double diameter, double speed,
                                         std::size_t most) {
   const double load = s.load(diameter, speed);
@@ -110,9 +111,9 @@ inline std::vector<double> broken_after(const Scene& s, double diameter, double 
   return shares;
 }
 
-/// The value that chi-square of n degrees of freedom exceeds with the probability that a normal
-/// deviate exceeds z. Source: E. B. Wilson, M. M. Hilferty, PNAS 17 (1931) 684; error below 1 % for
-/// n of 10 and more.
+/// Quantile of chi-square with n degrees of freedom at the probability with which a normal deviate
+/// exceeds z. Source: E. B. Wilson, M. M. Hilferty, PNAS 17 (1931) 684; error below 1 % for n of 10
+/// and more.
 inline double chi_square(double n, double z) {
   const double w = 2 / (9 * n);
   return n * std::pow(std::max(1 - w + z * std::sqrt(w), 0.0), 3);

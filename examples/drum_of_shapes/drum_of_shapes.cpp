@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A rotating drum with spheres, super-ellipsoids and polyhedra of equal volume together, after
-// figure 22 of the review by X. Ma et al. on CFD-DEM of non-spherical particles, which gives
-// neither sizes nor speed: what is taken here is stated in Scene. With --shapes all are of one
-// kind, so that the dynamic angles of repose can be compared.
+// A rotating drum with spheres, superellipsoids and polyhedra of equal volume together, after
+// figure 22 of the review by X. Ma et al. on CFD-DEM of non-spherical particles. The review gives
+// neither sizes nor speed; those used here are stated in Scene. With --shapes all are of one kind,
+// to compare the dynamic angles of repose.
 
 #include <algorithm>
 #include <array>
@@ -53,7 +53,7 @@ silt::Polyhedron cube() {
   return silt::Polyhedron::from_points(corners);
 }
 
-/// Spheres, lens-shaped super-ellipsoids with a rim, cubes.
+/// Spheres, lens-shaped superellipsoids with a rim, cubes.
 std::vector<Grains> forms() {
   return {silt::Sphere{}, silt::SuperEllipsoid{.a = 1, .b = 1, .c = 0.5, .s1 = 4, .s2 = 2}, cube()};
 }
@@ -92,7 +92,7 @@ silt::Particles<Grains> batch(const Scene& s, std::size_t count, std::uint64_t s
   return grains;
 }
 
-/// The drum turns from `start` [s] on.
+/// The drum rotates from `start` [s] on.
 auto make_simulation(const Scene& s, const double& start) {
   const silt::Box period{{-s.radius, 0, -s.radius}, {s.radius, s.length, s.radius}};
   silt::Simulation sim{batch(s, std::min(s.particles, Scene::batch), 1),
@@ -214,21 +214,21 @@ int simulate(const Scene& s, const example::Options& options) {
                                              static_cast<double>(sim.step() - first) / seconds);
   summary.result("largest_overlap_over_least_radius", sim.peak_overlap());
   summary.result("wall_time_s", whole.seconds());
-  // Angular momentum, whatever the shapes: over a turn the drum bears the moment of the grains'
-  // weight about its axis. A torque that leaves out friction or resistance to rolling, or is about
-  // another point, is off by the whole.
+  // Angular momentum, for all shapes: averaged over a turn, the drum's torque balances the moment
+  // of the grains' weight about its axis. Fails for a torque without friction or rolling
+  // resistance, or about another point.
   summary.check_within("torque_over_lever_of_the_weight", torque / lever, 1, 0.1,
                        "200 samples of a turn: 2 % of noise in their mean; 60 grains in their "
                        "first turn were 5 % off");
-  // What the drum's work goes into. A spectrum that misses contacts, or counts them twice, is off
-  // by what it misses.
+  // Energy: the drum's work equals the dissipation. Fails for a spectrum that misses contacts or
+  // counts them twice.
   const bool first_turn = s.turns < 2;
   summary.check_within("lost_in_contacts_over_power", impacts.lost() / turn / power, 1,
                        first_turn ? 0.3 : 0.1,
                        first_turn ? "the first turn raises the bed, too: 14 % with 60 grains"
                                   : "contacts that last through the turn are not counted: 900 "
                                     "grains were 1.2 % off");
-  // Grains that slide in a drum without friction lie level.
+  // Grains in a drum without friction would have a level surface.
   summary.check_at_least("dynamic_angle_of_repose_deg", bed.angle(), 15);
   if (!options.quick && s.particles == Scene{}.particles && s.rpm == Scene{}.rpm &&
       s.shapes == Scene{}.shapes)

@@ -1,17 +1,21 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A fluidised bed: grains of 1 mm on a floor that gas passes, between two walls, in a thin slice
-// that is periodic in its depth. The grains are first settled with little friction, as tapping
-// packs them. Then the gas is stepped through the minimum fluidisation velocity, up and down, which
-// gives the pressure drop over the velocity: the dense bed, which the walls hold back, bears more
-// than its weight before it breaks up; as the gas falls the bed that is left is looser. Last it is
-// blown at twice that velocity, until bubbles rise. The minimum fluidisation velocity is measured
-// where the pressure drop of the bed at rest, as the gas falls, would reach the bed's weight, and
-// compared with Ergun's equation at the bed's voidage. What is between them the law has by layers:
-// summed over the bed's layers, in the voidage and the flow that cells and kernel make of them.
-// Ellipsoids have the drag and the lift of how they lie in the flow, and are compared with that law
-// for the grains as they lie in the bed. --drag takes other laws for spheres (drag.hpp). With --hot
-// the gas of the bubbling bed is hot and the grains are cold (hot_bed.cpp).
+// A fluidised bed: grains of 1 mm on a floor permeable to gas, between two walls, in a thin slice
+// that is periodic in depth. The grains first settle with little friction, which gives a dense
+// packing, as tapping does. Then the gas velocity is stepped up and down through minimum
+// fluidisation, which gives the pressure drop over the velocity. The dense bed is held by the walls
+// and carries more than its weight before it breaks up; with decreasing velocity a looser bed
+// remains. Finally the gas flows at 1.5 times the minimum fluidisation velocity (--bubbling), until
+// bubbles rise.
+//
+// The minimum fluidisation velocity is the one at which the pressure drop of the bed at rest,
+// extrapolated from decreasing velocities, equals the bed's weight. It is compared with Ergun's
+// equation at the bed's void fraction. The difference is explained by layers: the law summed over
+// the bed's layers, with the void fraction and velocity that cells and kernel produce.
+//
+// Ellipsoids have drag and lift by their orientation, and are compared with that law for the
+// orientations in the bed. --drag selects other laws for spheres (drag.hpp). With --hot the gas of
+// the bubbling bed is hot and the grains are cold (hot_bed.cpp).
 
 #include <algorithm>
 #include <array>
@@ -39,9 +43,9 @@
 namespace fluidised {
 namespace {
 
-/// Spheres: the law of --drag, without it Ergun's equation in beds, Wen and Yu's where grains are
-/// few. Bodies: the law of Hoelzer and Sommerfeld by their silhouettes, with Di Felice's voidage
-/// function.
+/// Spheres: the law of --drag; by default Ergun's equation in dense beds, Wen and Yu's in dilute
+/// regions. Bodies: the law of Hoelzer and Sommerfeld by their projected areas, with Di Felice's
+/// voidage function.
 template <class Shape>
 auto make_fluid(const Scene& s, silt::FlowSolver flow) {
   const silt::Kernel kernel{.width = s.kernel};
@@ -52,7 +56,7 @@ auto make_fluid(const Scene& s, silt::FlowSolver flow) {
     return silt::CoupledFlow{s.drag_law(), kernel, std::move(flow)};
 }
 
-/// The mean drag of bodies that lie as some hundred of a bed do, in a flow upwards.
+/// Mean drag of bodies with the orientations of about a hundred of a bed, in an upward flow.
 struct AsTheyLie {
   std::vector<silt::NonSpherical<silt::HoelzerSommerfeld>> grains;
 
@@ -79,7 +83,7 @@ auto law_of(const Sim& sim, const Scene& s) {
   }
 }
 
-/// How far silt::Kernel reaches up from a grain [m], mean over the grains as they lie.
+/// Upward reach of silt::Kernel from a grain [m], averaged over the grains.
 template <class Sim>
 double reach_of(const Sim& sim, const Scene& s) {
   if constexpr (Sim::of_bodies) {
@@ -100,12 +104,12 @@ double reach_of(const Sim& sim, const Scene& s) {
 
 constexpr int per_diameter = 10;  // bins of a Profile
 
-/// Grains' volume over that of the bins, by the heights of their centres [-].
+/// Volume fraction of grains in bins, by the heights of their centres [-].
 using Profile = std::vector<double>;
 
 /// Pressure drop [Pa] of a bed at rest by the law, in one dimension: grains at their heights, each
-/// in the voidage and the flow that the kernel and the cells make of all. What layers lack of
-/// evenness, also at walls, it does not know.
+/// with the void fraction and velocity that kernel and cells produce. Variations within a layer,
+/// also at walls, are not included.
 ///   R: of the kernel [m]
 template <class Shape, class DragLaw>
 double drop_by_layers(const DragLaw& law, const Scene& s, double R, const Profile& centres,
@@ -188,9 +192,10 @@ class Bed {
     Profile centres{};                               // at the end
 
     double borne() const { return pressure_drop + floor + walls; }
-    /// What is borne, less the weight and what the bed gains, over the weight [-].
+    /// Force balance error: supporting force minus weight and momentum gain of the bed, over the
+    /// weight [-].
     double unbalanced(double weight) const { return (borne() - momentum) / weight - 1; }
-    /// As well over the time of `next`, which follows.
+    /// Extends the means by the time of `next`, which follows.
     void go_on(const Means& next) {
       const double both = time + next.time;
       const auto join = [&](double& mean, double other) {
@@ -204,8 +209,8 @@ class Bed {
 
   Bed(const Scene& s, Sim& sim) : s_(s), sim_(sim) {}
 
-  /// Brings the gas to the superficial velocity U [m/s] in 10 ms, then waits for the rest of
-  /// `span` [s].
+  /// Brings the gas to the superficial velocity U [m/s] in 10 ms, then waits for the rest of `span`
+  /// [s].
   template <class... Observers>
   void blow(double U, double span, Observers&&... observers) {
     constexpr double ramp = 0.01;  // [s]
@@ -240,8 +245,8 @@ class Bed {
     return sum;
   }
 
-  /// Of the gas between the floor and its outlet [Pa]. From the first cells' centres down to the
-  /// floor its slope is what goes with the drag there.
+  /// Of the gas between the floor and its outlet [Pa]. Between the floor and the first cells'
+  /// centres the gradient is that of the drag there.
   double pressure_drop() {
     auto& flow = sim_.fluid().flow();
     const bool bears = flow.responds() && flow.response().bears;
@@ -255,8 +260,8 @@ class Bed {
       }
     return sum / (s_.across * s_.deep);
   }
-  /// Of the bed's surface above the floor [m]: where layers of cells hold half of the mean solids
-  /// (those from the floor to twice the height of the centre of mass).
+  /// Height of the bed's surface above the floor [m]: where cell layers contain half of the mean
+  /// solid fraction (mean from the floor to twice the height of the centre of mass).
   double height() const {
     double twice = 0;  // [m]
     for (std::size_t k = 0; k < sim_.rows(); ++k) twice += 2 * sim_.position(k).z;
@@ -297,7 +302,7 @@ class Bed {
       for (int i = 0; i < s_.across; ++i) sum += eps(i, j, k);
     return sum / (s_.across * s_.deep);
   }
-  /// The voidage of cells, mean over the depth, as a table.
+  /// Void fraction of cells, averaged over the depth, as a table.
   void write_voidage(const std::string& path) const {
     const auto& eps = sim_.fluid().flow().voidage();
     silt::CsvTable table(path, {"x [m]", "z [m]", "voidage [-]"});
@@ -310,7 +315,7 @@ class Bed {
   }
 
  private:
-  /// [N s] given upwards to floor and walls, also by short impacts.
+  /// [N s] upward impulse on floor and walls, including short impacts.
   std::array<double, floor_and_walls> impulses() const {
     std::array<double, floor_and_walls> given{};
     for (std::size_t w = 0; w < given.size(); ++w) given[w] = sim_.wall(w).impulse.z;
@@ -325,9 +330,10 @@ class Bed {
   double U_ = 0;  // [m/s]
 };
 
-/// Of a mean over time, by height: pressure above that of the outlet, and the weight of the grains
-/// above over the area, which the gas bears but for walls and floor. Leaves a table at `path`, and
-/// returns the pressure less that weight in the lowest layer of cells [Pa].
+/// Time average by height: gas pressure above that at the outlet, and the weight of the grains
+/// above over the area. The gas carries this weight except for the shares of walls and floor.
+/// Writes a table to `path`, and returns the pressure minus that weight in the lowest cell layer
+/// [Pa].
 double write_heights(const std::string& path, const silt::FlowMean& mean, const Scene& s) {
   silt::CsvTable table(path, {"height [m]", "mean pressure [Pa]",
                               "weight of the grains above over the area [Pa]", "mean voidage [-]"});
@@ -346,7 +352,7 @@ double write_heights(const std::string& path, const silt::FlowMean& mean, const 
   return more;
 }
 
-/// Where p = a U + b U^2 through points (least squares) reaches `level`.
+/// Velocity U at which p = a U + b U^2, fitted to points (least squares), equals `level`.
 double crossing(const std::vector<std::array<double, 2>>& points, double level) {
   Eigen::MatrixXd u(static_cast<Eigen::Index>(points.size()), 2);
   Eigen::VectorXd p(u.rows());
@@ -378,7 +384,7 @@ int simulate(const Scene& s, const example::Options& options) {
   Bed bed(s, sim);
   sim.run(s.relaxing, silt::progress());
   const double filled = bed.height();
-  // The dense bed breaks up somewhat later, as the walls hold it back.
+  // The dense bed breaks up somewhat later, as the walls hold it.
   const double guess = 1.1 * s.velocity_by(law_of(sim, s), bed.voidage(filled));
 
   std::printf("gas up and down\n");
@@ -420,7 +426,8 @@ int simulate(const Scene& s, const example::Options& options) {
     packed.push_back({velocities[k], falling[k].pressure_drop});
   silt::require(packed.size() >= 2, "only ", packed.size(),
                 " velocities leave the bed at rest; take a smaller --step");
-  // Of the fastest gas which leaves it at rest: the bed still compacts as the gas falls.
+  // At the highest velocity that leaves the bed at rest: the bed still compacts as the velocity
+  // falls.
   const double loose = falling[packed.size() - 1].height, voidage = bed.voidage(loose);
   const auto law = law_of(sim, s);
   const std::string law_name = s.name_of_law();
@@ -450,7 +457,7 @@ int simulate(const Scene& s, const example::Options& options) {
                    rising[k].height, falling[k].height, rising[k].floor, falling[k].floor,
                    rising[k].walls, falling[k].walls});
   }
-  // As measured: the bed has another voidage at each velocity, and there is no one of them all.
+  // As measured: the bed's void fraction differs between velocities; there is no single value.
   const double by_law = crossing(by_voidage, s.weight());
   const double expected = crossing(by_layers, s.weight());
 
@@ -462,7 +469,7 @@ int simulate(const Scene& s, const example::Options& options) {
     write_picture(name + ".vtp", sim), bed.write_voidage(name + ".csv");
     pictures.push_back(name + ".vtp"), maps.push_back(name + ".csv"), titles.push_back(title);
   };
-  // What gauges in a side wall would read as bubbles pass, and the mean of the voidage.
+  // Readings of pressure gauges in a side wall as bubbles pass, and the mean void fraction.
   const double floor = 0.5 * s.cell;
   auto gauges = silt::pressure_taps(options.out + "/taps.csv",
                                     {{"floor", {0, 0, floor}, 2},
@@ -524,18 +531,19 @@ int simulate(const Scene& s, const example::Options& options) {
   summary.result("steps", static_cast<double>(sim.step()));
   summary.result("wall_time_s", watch.seconds());
   const silt::FluidClosure& closure = sim.fluid().closure();
-  // Sums of so many numbers, each rounded.
+  // Rounding of sums of so many numbers.
   const double rounding = std::numeric_limits<double>::epsilon() * static_cast<double>(s.particles);
   summary.check_at_most("volume_of_solids_off", closure.volume, rounding);
   summary.check_at_most("momentum_of_exchange_off", closure.momentum, rounding);
   summary.check_at_most("continuity_off", closure.continuity,
                         sim.fluid().flow().options().tolerance);
-  // What gas, floor and walls bear is weight and gain of momentum. The gas's part is read every 0.2
-  // ms, and lacks what it brings of its own momentum, rho U^2 (1/eps - 1): 0.3 % as bubbles rise.
+  // Gas, floor and walls together carry the weight plus the momentum gain. The gas's part is
+  // sampled every 0.2 ms, and lacks the gas's own momentum, rho U^2 (1/eps - 1): 0.3 % while
+  // bubbles rise.
   summary.check_at_most("balance_of_forces_over_weight",
                         std::max(unbalanced, std::abs(bubbling.unbalanced(s.weight()))), 0.01);
-  // The kernel blurs the bed's surface, where it bears less: by 0.53 of the kernel's reach over the
-  // bed's height; the rest is what layers lack of evenness.
+  // The kernel smooths the bed's surface, which lowers the drag there: by 0.53 of the kernel's
+  // reach over the bed's height. The rest is the variation within layers.
   summary.check_within("minimum_fluidisation_over_the_law", measured / by_law, 1, s.most_off,
                        law_name + " at the bed's voidage at each velocity");
   summary.check_within("minimum_fluidisation_m_s", measured, expected, 1.5 * s.by_layers * expected,
@@ -543,14 +551,14 @@ int simulate(const Scene& s, const example::Options& options) {
   summary.check_at_most("pressure_drop_at_rest_over_law_by_layers_less_1", error, 2 * s.by_layers);
   summary.check_at_least("pressure_drop_of_the_dense_bed_over_the_loose_one", above, 1.02);
   summary.check_at_least("largest_pressure_drop_at_rest_over_weight", overshoot, 1.01);
-  // Not of the quick run, in which the bed's rise and fall count.
+  // Not in the quick run, where the bed's rise and fall matter.
   if (plateau.time >= 0.7)
     summary.check_within("plateau_over_weight", plateau.borne() / s.weight(), 1, 0.01,
                          "borne by gas, floor and walls together");
   summary.check_at_least("bubbling_height_over_height_at_rest", bubbling.height / loose, 1.1);
-  // The mean pressure in the lowest layer of cells: the weight above, the momentum that grains
-  // gain, less what floor and walls bear. Half a layer of the walls is not in it, and the gas's
-  // momentum.
+  // Mean pressure in the lowest cell layer: the weight above plus the momentum gain of the grains,
+  // minus the load on floor and walls. Half a layer of the walls, and the gas's momentum, are not
+  // included.
   summary.check_within("mean_pressure_at_the_floor_less_weight_over_weight",
                        gas_bears_more / s.weight(),
                        (bubbling.momentum - bubbling.floor - bubbling.walls) / s.weight(), 0.02,
@@ -650,14 +658,14 @@ int main(int argc, char** argv) {
       scene.relaxing = 0.015, scene.averaging = 0.01, scene.plateau = 0.05;
       scene.settling = 0.05, scene.most_off = 0.03;
     } else {
-      // As high a bed of any number, but for few.
+      // The same bed height for any number of grains, except for few.
       const double deep = 4 * static_cast<double>(scene.particles) / 5000;
       scene.deep = std::max(4, static_cast<int>(std::round(deep)));
     }
     if (hot) return fluidised::blow_hot(scene, command.options);
-    // Laws that fall faster with the voidage.
+    // Laws that decrease faster with the void fraction.
     if (scene.shape != "sphere" || scene.drag == "syamlal") scene.most_off *= 1.5;
-    // Beds of other laws are packed otherwise; with --quick layers lack up to 1.9 % of evenness.
+    // With other laws the bed is packed differently; with --quick layers vary by up to 1.9 %.
     if (scene.drag != "gidaspow") scene.by_layers *= 1.5;
     return scene.shape == "sphere"
                ? fluidised::simulate<silt::Sphere>(scene, command.options)

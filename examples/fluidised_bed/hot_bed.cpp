@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Hot gas through a cold bubbling bed: how fast gas and grains get warm, and where the heat goes.
-// The gas takes the grains' temperature within a grain or so. The grains get no more than all heat
-// that comes in, as long as the gas leaves the bed cold; and, where no bubble carries hot gas
-// through, no less than those of a bed that is mixed all the time, which gas leaves at their
+// Hot gas through a cold bubbling bed: how fast gas and grains heat up, and where the heat goes.
+// The gas reaches the grains' temperature within about a grain diameter. Upper bound for the
+// grains: all the heat that enters, as long as the gas leaves the bed cold. Lower bound, where no
+// bubble carries hot gas through: a perfectly mixed bed, which gas leaves at the grains'
 // temperature.
 
 #include <algorithm>
@@ -44,7 +44,7 @@ auto make_hot_bed(const Scene& s, silt::Particles<silt::Sphere> grains) {
   return sim;
 }
 
-/// Of the grains [K], and the heat in them [J] beyond that of the cold ones.
+/// Temperature of the grains [K], and their heat [J] above that of cold ones.
 struct GrainHeat {
   double mean = 0, least = std::numeric_limits<double>::infinity(), most = 0, stored = 0;
 };
@@ -60,7 +60,7 @@ GrainHeat heat_of_grains(const Sim& sim, const Scene& s) {
   return h;
 }
 
-/// Of the gas [K]: mean over all of it, and in the last cells before the outlet.
+/// Temperature of the gas [K]: mean over all of it, and in the last cells before the outlet.
 struct GasHeat {
   double mean = 0, out = 0;
 };
@@ -78,7 +78,7 @@ GasHeat heat_of_gas(const silt::FlowSolver& flow, const Scene& s) {
   return h;
 }
 
-/// The gas's temperature, mean over the depth, as a table.
+/// The gas temperature, averaged over the depth, as a table.
 void write_gas(const std::string& path, const silt::FlowSolver& flow, const Scene& s) {
   silt::CsvTable table(path, {"x [m]", "z [m]", "gas temperature [K]"});
   for (int k = 0; k < s.high; ++k)
@@ -89,8 +89,8 @@ void write_gas(const std::string& path, const silt::FlowSolver& flow, const Scen
     }
 }
 
-/// Brings the gas to the superficial velocity U [m/s] in 10 ms, and lets bubbles come for the rest
-/// of `span` [s].
+/// Brings the gas to the superficial velocity U [m/s] in 10 ms; bubbles form during the rest of
+/// `span` [s].
 template <class Sim>
 void begin_to_bubble(Sim& sim, double U, double span) {
   for (int k = 1; k <= 10; ++k) {
@@ -104,7 +104,7 @@ struct Pictures {
   std::vector<std::string> grains, gas, titles;
 };
 
-/// A bed through which hot gas blows from now on; what it got is counted from here.
+/// A bed with hot gas from now on; its heat input is counted from here.
 template <class Sim>
 class HotBed {
  public:
@@ -116,7 +116,7 @@ class HotBed {
     begun_ = sim.fluid().time(), coldest_ = hottest_ = s.cold;
   }
 
-  /// Blows for s.blowing; leaves table, VTK series and pictures' files in `out`.
+  /// Runs for s.blowing; writes a table, a VTK series and the pictures' files to `out`.
   Pictures blow(const std::string& out) {
     auto table = silt::table(
         out + "/temperatures.csv",
@@ -159,15 +159,15 @@ class HotBed {
     summary.result("gas_at_the_outlet_k", gas.out);
     summary.result("grains_if_mixed_k", mixed());
     summary.result("grains_if_they_keep_all_heat_k", all_kept());
-    // Sums of heat above 0 K, a hundred times what is stored, in thousands of steps.
+    // Rounding: sums of heat above 0 K, a hundred times the stored heat, over thousands of steps.
     summary.check_at_most("heat_balance_over_heat_in_grains",
                           std::abs(in + anew - in_gas - in_grains) / in_grains, 1e-10);
     summary.check_at_most("heat_from_gas_less_heat_in_grains_over_it",
                           std::abs(from_grains + in_grains) / in_grains, 1e-10);
-    // What the solver's pressure leaves of the gas's volume, and jumps of the voidage.
+    // Residual of the pressure solver in the gas volume, and jumps of the void fraction.
     summary.check_at_most("heat_of_gas_counted_anew_over_heat_in_grains",
                           std::abs(anew) / in_grains, 0.01);
-    // The second law; 1e-9: rounding.
+    // Second law; 1e-9: rounding.
     summary.check_at_most("hottest_k", hottest_, s_.hot_gas * (1 + 1e-9));
     summary.check_at_least("coldest_k", coldest_, s_.cold * (1 - 1e-9));
     summary.check_within("heat_in_while_the_outlet_is_cold_over_that_of_the_gas", while_cold_, 1,
@@ -185,8 +185,7 @@ class HotBed {
  private:
   silt::FlowSolver& flow() const { return sim_.fluid().flow(); }
   double time() const { return sim_.fluid().time() - begun_; }  // [s] with hot gas
-  /// [K] of grains that are one body, which takes all heat that the gas brings above its
-  /// temperature.
+  /// [K] of a single body that takes all heat that the gas brings above the body's temperature.
   double mixed() const {
     return s_.hot_gas - (s_.hot_gas - s_.cold) * std::exp(-time() * brings_ / holds_);
   }
@@ -237,7 +236,7 @@ void add_inputs(example::Summary& summary, const Scene& s, double U, int threads
   summary.input("threads", static_cast<double>(threads));
 }
 
-/// The pictures of a run whose tables are there; whether they could be drawn.
+/// Draws a run from its tables; false if that failed.
 bool draw_hot(const Scene& s, const std::string& out, const Pictures& pictures, double U) {
   const std::string range = silt::text(s.cold, ",", s.hot_gas);
   std::vector<std::string> grains{"draw"}, gas{"cells"};

@@ -1,10 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A heap by the collapse of a column: grains settle between a wall and a gate in a channel, which
-// is periodic across; the gate is taken away, and they slide over a floor with grains glued on
-// until they are at rest. Measured are the slope of the heap, its run-out and its solid fraction,
-// for spheres with and without resistance to rolling, cubes, super-ellipsoids, multi-spheres or a
-// mix of all.
+// A heap by column collapse: grains settle between a wall and a gate in a channel, which is
+// periodic across; the gate is removed, and they slide on a floor with glued grains until they are
+// at rest. Results: slope, run-out and solid fraction of the heap, for spheres with and without
+// rolling resistance, cubes, superellipsoids, multi-spheres or a mixture of all.
 
 #include <algorithm>
 #include <array>
@@ -69,8 +68,8 @@ std::vector<std::size_t> forms_of(const std::string& shapes) {
   return {0, 1, 2, 3};
 }
 
-/// Loose grains on a lattice above the column, of all forms in turn, and spheres that are glued to
-/// the floor, by their middles, but where walls stand.
+/// Loose grains on a lattice above the column, of all forms in turn, and spheres glued by their
+/// centres to the floor, except where walls stand.
 template <class Shape>
 silt::Particles<Shape> fill(const Scene& s) {
   constexpr bool bodies = silt::BodyShape<Shape>;
@@ -143,7 +142,7 @@ class Heap {
 
   double place(int k) const { return (k + 0.5) * cell(); }  // [m]
   int columns() const { return static_cast<int>(scene_.channel / cell()); }
-  /// Height [m] of the solid in column k, if it were packed as in the heap's foot.
+  /// Height [m] of column k if its solid were packed as in the heap's toe.
   double height(int k) const {
     return solid(k * cell(), (k + 1) * cell(), -1, 1) / (cell() * scene_.width * fraction_);
   }
@@ -156,9 +155,9 @@ class Heap {
     }
     return scene_.channel;
   }
-  /// Slope [degrees] of the straight line through the heights between the last column that is
-  /// higher than four fifths of the crest and the first that is lower than a fifth: neither the
-  /// round crest nor the thin toe.
+  /// Slope [degrees] of the straight line through the heights between the last column higher than
+  /// four fifths of the crest and the first lower than a fifth. This excludes the round crest and
+  /// the thin toe.
   double angle() const {
     double crest = 0, n = 0, x = 0, z = 0, xx = 0, xz = 0;
     for (int k = 0; k < columns(); ++k) crest = std::max(crest, height(k));
@@ -174,8 +173,8 @@ class Heap {
 
  private:
   double cell() const { return scene_.grain; }
-  /// Volume [m3] of grains, as balls, in the slab from x0 to x1 and from z0 to z1; exact but where
-  /// both cut the same ball.
+  /// Volume [m3] of grains, taken as balls, in the slab from x0 to x1 and from z0 to z1; exact
+  /// unless both cut the same ball.
   double solid(double x0, double x1, double z0, double z1) const {
     const auto below = [&](double way) {  // share of a ball below a plane
       const double t = std::clamp(0.5 + way / scene_.diameter(), 0.0, 1.0);
@@ -192,7 +191,7 @@ class Heap {
   double energy_ = 0, fraction_ = 0;
 };
 
-/// What each shape's heap of 500 had (docs/shapes.md, A heap).
+/// Known results for heaps of 500 grains of each shape (docs/shapes.md, A heap).
 struct Known {
   std::string shapes;
   double angle, ratio;  // [degrees]; [-] run-out over aspect ratio
@@ -201,10 +200,10 @@ const std::vector<Known> known{
     {"spheres", 18.2, 1.22},       {"rough-spheres", 25.8, 0.93}, {"super-ellipsoids", 24.7, 0.95},
     {"multi-spheres", 24.0, 1.03}, {"cubes", 23.8, 0.84},         {"mix", 24.5, 1.08}};
 
-/// Friction that does not act: a packing of frictionless spheres stands at 5.8 degrees (P.-E.
-/// Peyneau, J.-N. Roux, Phys. Rev. E 78 (2008) 011307), and its front runs to the channel's end. A
-/// resistance to rolling that does not act: rough spheres would lie as spheres do. Contacts that
-/// stick: grains that stay as a column.
+/// Fails for missing friction: a packing of frictionless spheres has 5.8 degrees (P.-E. Peyneau,
+/// J.-N. Roux, Phys. Rev. E 78 (2008) 011307), and its front runs to the channel's end. For missing
+/// rolling resistance: rough spheres would behave like spheres. For contacts that stick: the column
+/// would not collapse.
 void check_slopes(example::Summary& summary, const Scene& s, bool quick, double angle,
                   double ratio) {
   if (quick) {
@@ -284,9 +283,9 @@ int simulate(const Scene& s, const example::Options& options, Sim sim) {
   summary.result("time_step_s", sim.step_length());
   summary.result("steps", static_cast<double>(sim.step()));
   summary.result("wall_time_s", watch.seconds());
-  // A heap that never comes to rest: contacts that feed energy into it.
+  // Fails for a heap that never comes to rest: contacts that generate energy.
   summary.check_at_most("kinetic_energy", heap.kinetic_energy(), s.at_rest);
-  // A heap that reaches the wall at the channel's end, whose run-out says nothing.
+  // Fails for a heap that reaches the wall at the channel's end: its run-out would mean nothing.
   summary.check_at_most("front_m", heap.front(), s.channel - s.diameter());
   check_slopes(summary, s, options.quick, heap.angle(), run_out / aspect);
   summary.write(options.out + "/summary.json");

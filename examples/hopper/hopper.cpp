@@ -2,9 +2,9 @@
 //
 // Hopper discharge at the scale of D. Markauskas, A. Kaceniauskas, A. Maknickas, Information
 // Technology and Control 40 (2011) 287: 100 000 or 300 000 spheres settle in a square hopper, the
-// orifice of 40 x 40 mm opens, and they flow into an identical box below. What the paper leaves
-// open (density, Poisson ratio, sizes of the boxes) is stated here. With --silo a round silo over a
-// cone instead, and what its walls bear (silo.cpp).
+// orifice of 40 x 40 mm opens, and they flow into an identical box below. What the paper does not
+// give (density, Poisson ratio, sizes of the boxes) is stated here. With --silo a round silo above
+// a cone instead, and its wall pressure (silo.cpp).
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +31,8 @@ void write_outlines(const Scene& s, const std::string& path) {
   silt::write_vtp_triangles(path, mesh.vertices(), mesh.triangles());
 }
 
-/// Cells in the plane through the middle of the hopper, from its orifice to above the filling.
+/// Cells in the vertical plane through the middle of the hopper, from its orifice to above the
+/// filling.
 silt::CoarseGrid middle_layer(const Scene& s) {
   const double cell = 2.5e-3, half = cell / 2, low = s.orifice_height() - 0.01,
                high = s.funnel_top() + 1.1 * s.bulk_height();  // [m]
@@ -39,7 +40,7 @@ silt::CoarseGrid middle_layer(const Scene& s) {
           {static_cast<int>(s.width / cell), 1, static_cast<int>((high - low) / cell)}};
 }
 
-/// What is looked at every few milliseconds.
+/// Quantities recorded every few milliseconds.
 template <class Sim>
 struct Watch {
   double below = 0;  // [kg]
@@ -73,7 +74,7 @@ struct Discharge {
     }
     return n > 1 ? (n * tm - t * m) / (n * tt - t * t) : 0;
   }
-  /// Time at which a share of `total` has passed [s].
+  /// Time at which a fraction of `total` has passed [s].
   double time_of(double share, double total) const {
     for (std::size_t k = 0; k < time.size(); ++k)
       if (mass[k] >= share * total) return time[k];
@@ -119,7 +120,7 @@ int simulate(Scene scene, const example::Options& options) {
   silt::write_stl(options.out + "/floor.stl", floor_triangles(scene));
   write_outlines(scene, options.out + "/outlines.vtp");
 
-  // Six layers, as in the paper's figure: the lattice is filled from below, so ids rise with
+  // Six layers, as in the paper's figure: the lattice is filled from below, so ids increase with
   // height.
   const auto layers = [n = scene.particles,
                        values = std::make_shared<std::vector<std::uint32_t>>()](
@@ -144,8 +145,8 @@ int simulate(Scene scene, const example::Options& options) {
                                   {scene.width - 0.015, scene.width - 0.015, bed_top}});
   rest = sim.kinetic_energy() / (total * 9.81 * 2 * scene.r_max);
   if (sim.time() < opening + 0.5 * scene.time_step && sim.has_contacts()) {
-    // What the grains press with: force chains, and contacts against the walls' forces. These are
-    // the weight but for what is left of the bed's bouncing, 3 % with --quick.
+    // Contact forces: force chains, and the sum of wall contacts against the wall forces. These
+    // equal the weight except for residual bouncing of the bed, 3 % with --quick.
     has_chains = true;
     silt::write_contacts(options.out + "/contacts_at_rest.vtp", sim);
     const auto z = silt::coordination(sim);
@@ -158,7 +159,7 @@ int simulate(Scene scene, const example::Options& options) {
     summary.result("coordination_number_without_rattlers", z.without_rattlers);
     summary.check_at_most("contacts_against_wall_forces_over_weight",
                           silt::norm(on_walls - by_contacts) / (9.81 * total), 1e-4);
-    // No check: the bed has not quite come to rest when it opens (3 % were seen with --quick).
+    // No check: the bed is not quite at rest when the orifice opens (3 % with --quick).
     summary.result("weight_on_walls_off_by", std::abs(-on_walls.z / (9.81 * total) - 1));
   }
   if (sim.time() < opening + 0.5 * scene.time_step) sim.remove_wall(lid);
@@ -187,7 +188,8 @@ int simulate(Scene scene, const example::Options& options) {
                            {"time [s]", "mass below [kg]", "particles below [-]", "contacts [-]",
                             "kinetic energy [J]", "time per step [ms]"},
                            silt::every(0.005), watch);
-  // The flow in the middle layer, as means from when it has begun until half of it has gone by.
+  // The flow field in the middle layer: means from the start of discharge until half of the mass
+  // has passed.
   auto flow = silt::coarse_grained(middle_layer(scene), silt::GaussianKernel{.width = 1.5e-3},
                                    silt::every(0.01));
   std::vector<std::string> pictures, titles;
@@ -217,7 +219,7 @@ int simulate(Scene scene, const example::Options& options) {
     silt::write_particles(pictures.back(), sim, layers);
   }
 
-  // What came out.
+  // Results.
   const double d = scene.r_min + scene.r_max;
   const double theory = beverloo(scene.orifice, d, fraction * scene.density);
   const double out = Watch(sim, scene.orifice_height()).below;
@@ -236,9 +238,10 @@ int simulate(Scene scene, const example::Options& options) {
   summary.result("most_contacts", peak_contacts);
   summary.result("steps", static_cast<double>(sim.step()));
   summary.result("wall_time_s", whole.seconds());
-  // The hardest hit is the fall from the top of the room into the funnel, at most by Hertz without
-  // losses: springs that are softer than the material's overlap more, before the guard stops them.
-  // Where the guard stops earlier (small grains, high rooms), it is a result without a check.
+  // The hardest impact is the fall from the top of the room into the funnel, bounded by Hertz
+  // without losses: softer springs than the material's give larger overlaps, up to the guard's
+  // limit. If the guard's limit is lower (small grains, high rooms), the value is reported without
+  // a check.
   const double fastest = std::sqrt(2 * 9.81 * scene.room());
   const auto grain = scene.material();
   const double deepest =

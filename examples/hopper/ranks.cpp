@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// The hopper on many processes, as its paper has it: what each rank has to do as the grains fall,
-// with slabs that stay and with decompositions that follow the material. Run by
-// ./run hopper --ranks N, or mpirun -np N hopper_ranks.
+// The hopper on many processes, as in its paper: the work of each rank as the grains fall, with
+// fixed slabs and with decompositions that follow the material. Run by ./run hopper --ranks N, or
+// mpirun -np N hopper_ranks.
 
 #include <algorithm>
 #include <array>
@@ -24,7 +24,7 @@ namespace {
 
 using namespace hopper;
 
-/// The decomposition that the command line asks for: one simulation is compiled for all of them.
+/// The decomposition selected on the command line: one simulation is compiled for all of them.
 struct AnyParts {
 #if __has_include(<zoltan.h>)
   std::variant<silt::StaticSlabs, silt::MovingSlabs, silt::Bisection, silt::Rcb> parts;
@@ -71,7 +71,7 @@ int simulate(const Scene& scene, const std::string& decomposition, const example
   const double rest = sim.kinetic_energy() / (total * 9.81 * 2 * scene.r_max);
   sim.remove_wall(lid);
 
-  // Every few milliseconds: what each rank has.
+  // Every few milliseconds: the work of each rank.
   std::vector<std::string> columns{"time [s]", "mass below [kg]", "imbalance [-]",
                                    "time per step [ms]"};
   for (const char* what : {"particles", "contacts", "work", "ghosts", "migrated"})

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// What the walls of a round silo over a cone bear, when it has been filled and while it is emptied:
-// the pressure on rings of the mantle over height, beside Janssen's law, and on the cone's facets.
+// Wall pressure in a round silo above a cone, after filling and during discharge: on rings of the
+// cylinder wall over height, beside Janssen's law, and on the cone's facets.
 
 #include "hopper/silo.hpp"
 
@@ -51,7 +51,7 @@ struct Scene {
   double settling() const {
     return 0.1 + 1.6 * std::sqrt(2 * (top() - cone() - bed()) / g);
   }  // [s]
-  /// Soft, for a long time step: under a few hundred Pa overlaps are 0.5 % of the diameter.
+  /// Soft, for a long time step: at a few hundred Pa overlaps are 0.5 % of the diameter.
   Law::Material material(double mu) const {
     return {.youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.3, .friction = mu};
   }
@@ -95,7 +95,8 @@ auto make_simulation(const Scene& s) {
   return sim;
 }
 
-/// Means of what rings of the mantle bear, from the cone up, and of the grains beside each.
+/// Mean loads on rings of the cylinder wall, from the cone up, and the weight of the grains beside
+/// each.
 class Rings {
  public:
   explicit Rings(const Scene& s)
@@ -115,20 +116,21 @@ class Rings {
   }
   double pressure(std::size_t k) const { return normal_[k] / samples_; }  // [Pa]
   double shear(std::size_t k) const { return shear_[k] / samples_; }      // [Pa] that holds grains
-  /// [kg/m3] of the bulk between the cone and a diameter below the surface.
+  /// [kg/m3] bulk density between the cone and one diameter below the surface.
   double density() const {
     double weight = 0;
     const std::size_t n = filled() - Scene::per_diameter;
     for (std::size_t k = 0; k < n; ++k) weight += weight_[k] / samples_;
     return weight / (g * s_.area() * s_.ring() * static_cast<double>(n));
   }
-  /// [m] of the middle of ring k, below the surface that all grains would have if packed as above.
+  /// [m] depth of the middle of ring k below the surface, the latter computed from the grains above
+  /// and this bulk density.
   double depth(std::size_t k) const {
     double weight = 0.5 * weight_[k];
     for (std::size_t j = k + 1; j < weight_.size(); ++j) weight += weight_[j];
     return weight / samples_ / (g * s_.area() * density());
   }
-  /// [Pa] vertical stress at the middle of ring k: the weight above less what the rings hold.
+  /// [Pa] vertical stress at the middle of ring k: the weight above minus the shear on the rings.
   double vertical(std::size_t k) const {
     double sum = 0.5 * carried(k);
     for (std::size_t j = k + 1; j < weight_.size(); ++j) sum += carried(j);
@@ -150,22 +152,22 @@ class Rings {
   double samples_ = 0;
 };
 
-/// Janssen's law: on a slice of the bed act its weight, the stress above and below, and shear at
-/// the wall, m times the pressure there, which is K times the vertical stress; m and K the same
-/// everywhere. H. A. Janssen, Z. VDI 39 (1895) 1045.
+/// Janssen's law: the forces on a slice of the bed are its weight, the stresses above and below,
+/// and wall shear, m times the pressure on the wall; that pressure is K times the vertical stress.
+/// m and K are constants. H. A. Janssen, Z. VDI 39 (1895) 1045.
 struct Janssen {
   double rho, D, m, K;               // [kg/m3], [m], [-], [-]
   double pressure(double z) const {  // [Pa] on the wall at depth z
     return rho * g * D / (4 * m) * (1 - std::exp(-4 * m * K * z / D));
   }
-  /// Root of the mean square of what the pressures of the same rings are off this law [-].
+  /// Rms deviation of the pressures of the same rings from this law [-].
   double off(const Rings& rings) const {
     double sum = 0, n = 0;
     for (std::size_t k = Scene::per_diameter / 2; k + Scene::per_diameter < rings.filled(); ++k)
       sum += std::pow(rings.pressure(k) / pressure(rings.depth(k)) - 1, 2), n += 1;
     return std::sqrt(sum / n);
   }
-  /// m and K of rings: sums of stresses from half a diameter above the cone to one below the
+  /// m and K from rings: sums of stresses from half a diameter above the cone to one below the
   /// surface.
   static Janssen of(const Rings& rings, const Scene& s) {
     double normal = 0, shear = 0, vertical = 0;
@@ -175,7 +177,7 @@ struct Janssen {
   }
 };
 
-/// Means of the pressure [Pa] on rows of the cone's facets, from the outlet up.
+/// Mean pressures [Pa] on rows of the cone's facets, from the outlet up.
 class Rows {
  public:
   explicit Rows(const Scene& s) : normal_(s.rows()), area_(s.rows()) {}
@@ -198,8 +200,9 @@ class Rows {
   Vec3d sum_{};
 };
 
-/// Pressures over height, from the outlet up the cone and the mantle. Janssen's law is that of the
-/// bed while it is emptied, the weight above that of the bed at rest, which is higher.
+/// Pressures over height, from the outlet up the cone and the cylinder. Janssen's curve is that of
+/// the bed during discharge; the curve of the weight above is that of the bed at rest, which is
+/// higher.
 void write_walls(const std::string& path, const Scene& s, const std::array<Rings, 2>& rings,
                  const std::array<Rows, 2>& rows, const Janssen& law) {
   const auto& [rest, flow] = rings;

@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A spiral jet mill: four jets of air blow grains round a flat chamber; at its wall, and on each
-// other, they break, until they are dust, which leaves with the air through a tube in the middle.
-// The air is incompressible and turbulent, and feels the grains.
+// A spiral jet mill: four air jets drive grains round a flat chamber. They break at its wall and on
+// each other until they are dust, which leaves with the air through a central tube. The air is
+// incompressible and turbulent, with two-way coupling.
 
 #include <algorithm>
 #include <array>
@@ -21,7 +21,7 @@ namespace {
 using jet_mill::Scene;
 using silt::Vec3d;
 
-/// Sizes [m] below which are 10, 50 and 90 % of the mass of a table; no number while it is empty.
+/// Sizes [m] d10, d50 and d90 by mass of a table; NaN while it is empty.
 std::array<double, 3> quantiles(const silt::SizeTable& sizes) {
   if (!(sizes.mass() > 0)) {
     const double none = std::numeric_limits<double>::quiet_NaN();
@@ -30,7 +30,7 @@ std::array<double, 3> quantiles(const silt::SizeTable& sizes) {
   return {sizes.quantile(0.1), sizes.quantile(0.5), sizes.quantile(0.9)};
 }
 
-/// The mean flow in the cells beside half of the chamber's height.
+/// The mean flow in the cells next to half of the chamber's height.
 void write_gas(const std::string& path, const silt::FlowMean& mean, const Scene& s) {
   silt::CsvTable out(path, {"x [m]", "y [m]", "u [m/s]", "v [m/s]", "w [m/s]"});
   const auto& grid = mean.grid();
@@ -63,7 +63,7 @@ int simulate(const Scene& s, const example::Options& options) {
                        jet_mill::breakage(s)};
   jet_mill::furnish(sim, s);
   sim.threads = options.threads;
-  // Large grains press fragments deeper into walls than impacts of equals do.
+  // Large grains press fragments deeper into walls than impacts of equal grains do.
   sim.guard.max_overlap = 0.89, sim.guard.max_travel = 0.1;
   if (!options.restart.empty()) silt::load_checkpoint(sim, options.restart);
 

@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A bladed mixer. Grains of two colours lie side by side; two blades turn through them, at a fixed
-// speed in one run, with a fixed torque (ServoTorque) in the other. Blades that lie back are then
-// raised until they are upright (set_mesh). Torque, angle and power over time, and Lacey's index of
-// mixing: of the colours, and of the layers that lay over one another.
+// A bladed mixer. Grains of two colours lie side by side, and two blades stir them: in one run at a
+// fixed speed, in the other with a fixed torque (ServoTorque). Then the tilted blades are raised
+// until they are upright (set_mesh). Results: torque, angle and power over time, and Lacey's mixing
+// index, of the colours and of layers that were initially on top of one another.
 
 #include <algorithm>
 #include <array>
@@ -24,7 +24,7 @@ using mixer::Lacey;
 using mixer::Scene;
 using silt::Vec3d;
 
-/// Kinds of grains by id, and where samples are laid: no sample has both at the start.
+/// Kinds of grains by id, and the positions of the samples: at the start no sample contains both.
 struct Kinds {
   std::vector<bool> right, upper;
   Vec3d corner;  // [m]
@@ -72,7 +72,7 @@ struct Run {
   double lost = 0, mass_before = 0, mass = 0;  // grains, [kg]
 };
 
-/// Goes along with a run: torque, angle and work every 5 ms, and the index of mixing.
+/// Observes a run: torque, angle and work every 5 ms, and the mixing index.
 template <class Sim>
 class Watch {
  public:
@@ -87,7 +87,7 @@ class Watch {
         table_(out, {"time [s]", "turns", "colours", "layers"}) {
     add_row();
   }
-  /// Runs on for `seconds`.
+  /// Continues for `seconds`.
   template <class... Observers>
   Stage stage(const std::string& name, double seconds, Observers&&... observers) {
     Stage stage{name};
@@ -114,7 +114,7 @@ class Watch {
   }
 
  private:
-  /// Adds what was since the last look; of the torque sums over time.
+  /// Adds the changes since the last reading; of the torque also sums over time.
   void read(Stage& stage) {
     const auto mean = load_.read(sim_);
     if (mean.duration == 0) return;
@@ -155,7 +155,7 @@ void picture(const Sim& sim, const Kinds& kinds, const std::string& name) {
   silt::write_walls(name + "_walls.vtp", sim);
 }
 
-/// Fills the vessel through the chute, levels the bed by a turn of the blades, and colours it.
+/// Fills the vessel through the chute, levels the bed by one turn of the blades, and colours it.
 void charge(const Scene& s, const example::Options& options, const std::string& file) {
   auto sim = mixer::make_mixer(s, options.threads);
   sim.run(s.filling());
@@ -177,7 +177,7 @@ silt::ServoTorque motor(const Scene& s, double torque) {
           .gain = s.gain};
 }
 
-/// What is left at the end of a run.
+/// Results of a run.
 template <class Sim>
 void look_back(const Sim& sim, const Scene& s, const Kinds& kinds, Run& run) {
   run.mass = sim.total_mass();
@@ -196,8 +196,8 @@ void look_back(const Sim& sim, const Scene& s, const Kinds& kinds, Run& run) {
   run.samples = end.samples(), run.grains_a_sample = end.grains_a_sample();
 }
 
-/// A run from the charged mixer: at a fixed speed, or with a torque `target` [N m], and `more` for
-/// upright blades.
+/// A run of the filled mixer: at a fixed speed, or with a torque `target` [N m]; `more` for upright
+/// blades.
 Run mix(const Scene& s, const std::string& file, double target, double more,
         const example::Options& options) {
   Run run;
@@ -258,7 +258,7 @@ void check(example::Summary& summary, const Run& run, bool quick) {
     summary.result(of + "index of colours", t.index);
     summary.result(of + "index of layers", t.layers);
     given += t.given, booked += t.booked;
-    // While the blades are raised, they also work in their hinges.
+    // While the blades are raised, work is also done at their hinges.
     if (t.name == "blades are raised") continue;
     if (run.target == 0)
       summary.check_within(of + "torque times angle over energy held and dissipated",
@@ -327,7 +327,7 @@ int main(int argc, char** argv) {
     summary.input("gain of the servo", s.gain);
     summary.input("torque of the servo [N m]", runs[1].target);
     for (const Run& run : runs) check(summary, run, options.quick);
-    // A bed that flows bears a torque that hardly depends on the speed: 1 % more at 8 % more.
+    // The torque of a flowing bed hardly depends on the speed: 1 % more at 8 % more speed.
     const double speeds = runs[1].stages[1].rate() / runs[0].stages[1].rate();
     const std::string name = "fixed torque: speed over the fixed one, blades laid back";
     if (s.share == 1)

@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Pellets tumble in a drum with a bar: agglomerates of bonded spheres, whose bonds break. How much
-// of their mass has come off in small pieces, over the turns of the drum, as tests of durability
-// ask. They settle with bonds that do not break, and the drum turns from that checkpoint on.
+// Pellets tumble in a drum with a bar: agglomerates of bonded spheres, whose bonds break. The
+// result is the mass fraction lost in small pieces, over the turns of the drum, as in durability
+// tests. The pellets settle with unbreakable bonds; the drum rotates from that checkpoint on.
 
 #include <algorithm>
 #include <array>
@@ -49,7 +49,7 @@ struct Scene {
   }
 };
 
-/// Mass of the piece that a sphere belongs to, over that of a pellet [-].
+/// Mass of the piece that contains a sphere, over that of a pellet [-].
 using Piece = silt::Field<"piece over pellet [-]">;
 
 auto make_simulation(const Scene& s) {
@@ -63,13 +63,13 @@ auto make_simulation(const Scene& s) {
   sim.gravity = {0, 0, -9.81};
   sim.add_wall(silt::Cylinder{{0, -s.width, 0}, {0, 2 * s.width, 0}, s.drum, silt::Side::Inside},
                s.material(), {.name = "drum"});
-  // Of a thickness that no sphere gets around: 20 % of the drum's radius deep. It goes down first.
+  // Too thick for a sphere to get around: 20 % of the drum's radius. It goes down first.
   sim.add_wall(silt::box_mesh({0.8 * s.drum, 0, -1.5e-3}, {1.01 * s.drum, s.width, 1.5e-3}),
                s.material(), {.name = "bar"});
   return sim;
 }
 
-/// Whether no sphere is within `room` [m] of x, images across the period included.
+/// Whether no sphere is within `room` [m] of x, including periodic images.
 template <class Sim>
 bool is_free(const Sim& sim, const Scene& s, const Vec3d& x, double room) {
   for (std::size_t k = 0; k < sim.rows(); ++k) {
@@ -79,7 +79,7 @@ bool is_free(const Sim& sim, const Scene& s, const Vec3d& x, double room) {
   }
   return true;
 }
-/// As many pellets as have room to turn, in random directions. Returns how many there are.
+/// As many pellets as fit without touching, in random orientations. Returns their number.
 template <class Sim>
 std::size_t add_pellets(Sim& sim, const Scene& s, silt::Random& random, std::size_t placed) {
   // Spheres at an end that are too far from the others for a bond are left out.
@@ -142,7 +142,7 @@ void mark_pieces(Sim& sim, double pellet) {
     sim.template field<"piece over pellet [-]">(k) = all.mass[all.of[k]] / pellet;
 }
 
-/// Pieces by mass: how much of all mass is in smaller ones.
+/// Pieces by mass: the mass fraction in smaller pieces.
 template <class Sim>
 void write_sizes(const std::string& file, const Sim& sim, double pellet) {
   auto mass = silt::fragments(sim).mass;

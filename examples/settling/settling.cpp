@@ -1,10 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Settling: one grain at a time falls in liquids of three viscosities, against the closed form of
-// its terminal velocity; then suspensions of more and more solids settle in a closed column, which
-// is periodic across, against the law of Richardson and Zaki, v = v_t (1 - phi)^n. Measured is the
-// mean velocity of the grains in the middle of the column; as it is closed, no volume flows through
-// its cross-section, which is what the law asks for.
+// Settling: single grains in liquids of three viscosities, against the closed form of the terminal
+// velocity; then suspensions of increasing solid fraction in a closed column, periodic across,
+// against the Richardson-Zaki law, v = v_t (1 - phi)^n. The result is the mean velocity of the
+// grains in the middle of the column. As the column is closed, the volume flux through its
+// cross-section is zero, as the law requires.
 
 #include <algorithm>
 #include <cmath>
@@ -48,7 +48,7 @@ struct Scene {
                                                f.viscosity);
   }
   /// The exponent of J. F. Richardson and W. N. Zaki, Trans. Inst. Chem. Eng. 32 (1954) 35, without
-  /// their terms of the walls.
+  /// their wall terms.
   static double exponent(double Re) {
     if (Re < 0.2) return 4.65;
     if (Re < 1) return 4.35 * std::pow(Re, -0.03);
@@ -77,8 +77,8 @@ auto make_simulation(const Scene& s, silt::Particles<silt::Sphere> grains,
   return sim;
 }
 
-/// Velocity [m/s] downwards of a single grain, in a column 32 diameters wide. The wider the kernel
-/// over which its own push on the liquid is spread, the less it feels of it.
+/// Downward velocity [m/s] of a single grain, in a column 32 diameters wide. The wider the kernel
+/// that spreads the grain's reaction on the liquid, the smaller its effect on the grain itself.
 double lone_grain(const Scene& s, const silt::FluidProperties& liquid, int threads) {
   silt::Particles<silt::Sphere> grain;
   const int across = 16, high = 32;
@@ -88,7 +88,7 @@ double lone_grain(const Scene& s, const silt::FluidProperties& liquid, int threa
   auto sim = make_simulation(s, std::move(grain), liquid, across, high, 8);
   sim.threads = threads;
   const double v = s.terminal(liquid), fall = 12 * s.diameter;
-  // Accelerated with its own mass, to some parts in a thousand within five relaxation times.
+  // Accelerated with its own mass: some parts in a thousand remain after five relaxation times.
   const double relaxed = 5 * v / 9.81 * s.density / (s.density - liquid.density);
   sim.run(relaxed + fall / v);
   const double from = sim.position(0).z, start = sim.time();
@@ -107,7 +107,7 @@ Settled suspension(const Scene& s, const silt::FluidProperties& liquid, double f
   const double whole = s.width() * s.width() * s.height();
   silt::Particles<silt::Sphere> grains;
   const auto count = static_cast<std::size_t>(std::round(fraction * whole / volume));
-  // A lattice, shaken as far as there is room.
+  // A lattice, with random displacements as far as there is room.
   silt::Random random(1);
   const auto along = [&](double length) {
     return static_cast<int>(std::min(std::ceil(length * std::cbrt(fraction / volume)),
@@ -131,7 +131,7 @@ Settled suspension(const Scene& s, const silt::FluidProperties& liquid, double f
   sim.threads = threads;
   const double v = s.hindered(liquid, fraction), fall = s.fall * s.diameter;
   sim.run(fall / v);
-  // Those that are in the middle half of the column now.
+  // Grains that are in the middle half of the column now.
   std::vector<std::uint32_t> ids;
   std::vector<double> from;
   for (std::size_t k = 0; k < sim.rows(); ++k)
@@ -197,9 +197,9 @@ int simulate(const Scene& s, const example::Options& options) {
       zaki_error = std::max(zaki_error, std::abs(v / zaki - 1));
     }
   summary.result("wall_time_s", watch.seconds());
-  // The liquid around a grain moves with it, as its push is spread over no more than the kernel.
+  // The liquid around a grain is dragged along, as its reaction is spread only over the kernel.
   summary.check_at_most("lone_grain_off_closed_form", lone_error, 0.04);
-  // Grains are not spread evenly, nor stay so.
+  // Grains are not distributed homogeneously, and do not remain so.
   summary.check_at_most("suspension_off_the_drag_law", law_error, 0.03);
   // Di Felice's law is a fit to such measurements; it differs from theirs by 5 % here.
   summary.check_at_most("suspension_off_richardson_and_zaki", zaki_error, 0.08);

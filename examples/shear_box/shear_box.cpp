@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// The direct shear test of soil mechanics. A box is cut in two at mid-height: its lower half moves
-// sideways, a lid under a dead weight presses on the sample. A dense and a loose sample of spheres,
-// each under three normal stresses: shear stress and height of the lid over the displacement, the
-// lines of Mohr and Coulomb, and dilatancy against Taylor's rule.
+// Direct shear test of soil mechanics. A box is split at mid-height: its lower half moves sideways,
+// a lid under a dead weight presses on the sample. A dense and a loose sample of spheres, each at
+// three normal stresses: shear stress and lid height over displacement, Mohr-Coulomb lines, and
+// dilatancy against Taylor's rule.
 
 #include <algorithm>
 #include <array>
@@ -25,7 +25,7 @@ using silt::Vec3d;
 
 double degrees(double slope) { return std::atan(slope) * 180 / M_PI; }
 
-/// Means over a piece of the way of the lower half.
+/// Means over an interval of the displacement of the lower half.
 struct Point {
   double way = 0, rise = 0;     // [m] of the lower half; of the lid, at the end
   double below = 0, above = 0;  // [N] shear force, of the lower half; of ring and lid
@@ -41,7 +41,7 @@ struct Test {
   double overlap = 0;     // [-] mean of grains that touch, of the mean diameter
   std::vector<Point> curve;
   std::size_t residual_from = 0;  // points
-  // Over the residual stretch:
+  // Over the residual interval:
   double work = 0, lid_work = 0;     // [J] of the shear force, and of the lid, on the grains
   double dissipated = 0, held = 0;   // [J] by the ledger; held: more than before
   double momentum = 0, impulse = 0;  // [N s] what grains gained, what shear forces differ by
@@ -63,7 +63,7 @@ struct Test {
     return mean(residual_from, curve.size(), of);
   }
   static constexpr std::size_t half_window = 3;
-  /// The point around which the mean of seven ratios is largest.
+  /// The centre of the seven consecutive points with the largest mean ratio.
   std::size_t peak_at() const {
     std::size_t best = half_window;
     const auto of = [](const Point& p) { return p.ratio(); };
@@ -77,7 +77,8 @@ struct Test {
   double at_peak(const Of& of) const {
     return mean(peak_at() - half_window, peak_at() + half_window + 1, of);
   }
-  /// Rise of the lid over the way [-], the slope around a point: the tangent of dilatancy.
+  /// Rise of the lid over displacement [-], the slope around a point: the tangent of the dilatancy
+  /// angle.
   double dilatancy(std::size_t from, std::size_t to) const {
     std::vector<double> x, y;
     for (std::size_t k = from; k < to; ++k) x.push_back(curve[k].way), y.push_back(curve[k].rise);
@@ -102,7 +103,7 @@ double height(const Sim& sim) {
   return plane.point.z + sim.wall("lid").pose.translation.z -
          std::get<silt::Plane>(sim.wall("floor").surfaces.front()).point.z;
 }
-/// Mean overlap of grains that touch [m]. Between runs.
+/// Mean overlap of touching grains [m]. Between runs.
 template <class Sim>
 double mean_overlap(const Sim& sim) {
   double sum = 0, count = 0;
@@ -112,8 +113,8 @@ double mean_overlap(const Sim& sim) {
   return sum / count;
 }
 
-/// Thickness [m] in which the mean displacement falls from 9 to 1 tenth of that of the lower half,
-/// over 0.8, as it would be if it fell evenly.
+/// Shear band thickness [m]: the distance in which the mean displacement falls from 9 to 1 tenth of
+/// that of the lower half, over 0.8, its value for a linear profile.
 template <class Sim>
 double sheared_band(const Sim& sim, const Scene& s, const std::vector<Vec3d>& before, double way) {
   const double layer = 0.5 * s.diameter;
@@ -137,7 +138,7 @@ double sheared_band(const Sim& sim, const Scene& s, const std::vector<Vec3d>& be
   return (falls_below(0.1) - falls_below(0.9)) / 0.8;
 }
 
-/// Reads the loads of all walls as means over the pieces of a shear.
+/// Records the loads of all walls as means over the intervals of a shear test.
 template <class Sim>
 class Shear {
  public:
@@ -165,14 +166,14 @@ template <class Sim>
 Vec3d momentum(const Sim& sim) {
   return sim.total_mass() * sim.mean_velocity();
 }
-/// [N s] of the grains on walls along the motion, since the start; of the lower half alone.
+/// [N s] impulse of the grains on walls along the motion, since the start; of the lower half only.
 template <class Sim>
 std::array<double, 2> impulses(const Sim& sim) {
   const double below = sim.wall("lower half").impulse.x + sim.wall("floor").impulse.x;
   return {below + sim.wall("upper half").impulse.x + sim.wall("lid").impulse.x, below};
 }
 
-/// The residual stretch, with its books.
+/// The residual interval, with its balances.
 template <class Sim>
 void shear_on(Sim& sim, Shear<Sim>& shear, const Scene& s, Test& t, std::size_t pieces,
               double duration) {
@@ -189,7 +190,7 @@ void shear_on(Sim& sim, Shear<Sim>& shear, const Scene& s, Test& t, std::size_t 
   t.momentum = momentum(sim).x - p, t.impulse = -(last[0] - sums[0]);
   t.shear_impulse = -(last[1] - sums[1]);
   t.work = t.shear_impulse * s.speed();  // the lower half has one speed by now
-  // A free lid gives the grains what its weight and its motion lose.
+  // A free lid transfers to the grains the energy lost by its weight and motion.
   const double lid_now = sim.wall("lid").state.rate_now;
   t.lid_work = -t.stress * s.area() * (height(sim) - lid) -
                0.5 * s.lid_mass() * (lid_now * lid_now - lid_speed * lid_speed);
@@ -262,7 +263,7 @@ Test run(const Scene& s, bool is_dense, double stress, const example::Options& o
 
 const auto ratio = [](const Point& p) { return p.ratio(); };
 
-/// Shear over normal stress [Pa] of tests: at their peak, or residual.
+/// Shear over normal stress [Pa] of tests: peak or residual.
 struct Mohr {
   std::vector<double> normal, shear;
   void add(const Scene& s, const Test& t, bool peak) {
@@ -281,7 +282,7 @@ void report(example::Summary& summary, const std::string& name, const silt::Stra
   summary.result(name + ": its standard error [kPa]", 1e-3 * line.intercept_error);
 }
 
-/// What holds of each test alone.
+/// Checks of each single test.
 void check_test(example::Summary& summary, const Scene& s, const Test& t) {
   const std::string name = t.title() + ": ";
   const auto lid = [](const Point& p) { return p.lid; };
@@ -325,7 +326,7 @@ void check_samples(example::Summary& summary, const Scene& s, const std::vector<
     rise[is_dense ? 0 : 1] += t.curve.back().rise / (n * s.diameter);
     if (!is_dense) continue;
     peak += t.at_peak(ratio) / n, up += t.dilatancy_at_peak() / n;
-    // Work of the shear force less that against the lid, over normal force and way.
+    // Work of the shear force minus work against the lid, over normal force and displacement.
     slip += (t.at_peak(ratio) -
              t.dilatancy_at_peak() * t.at_peak([](const Point& p) { return p.lid / p.normal; })) /
             n;
@@ -355,8 +356,9 @@ void check_samples(example::Summary& summary, const Scene& s, const std::vector<
   const double scatter = is_small ? 6 : 3;
   summary.check_within("residual friction angle, loose against dense [deg]", b, a, scatter,
                        "fluctuations of a band of few hundred grains");
-  // Taylor (recalled): tan(phi) at the peak is tan(phi) at constant volume and the tangent of
-  // dilatancy. The residual angle of a short box has a share of its ends, which the rule lacks.
+  // Taylor (recalled): at the peak tan(phi) is tan(phi) at constant volume plus the tangent of the
+  // dilatancy angle. The residual angle of a short box contains a contribution of its ends, which
+  // the rule lacks.
   summary.check_within("dense: angle at the peak without the work of dilation [deg]", degrees(slip),
                        degrees(rest.slope), 6,
                        "the rule is rough; with that work 9 off, with its sign wrong 20");

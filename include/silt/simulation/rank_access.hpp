@@ -15,30 +15,31 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// What a scene needs to know of the ranks that it runs on; a Simulation has these functions as its
-/// own. Without Ranks there is one rank, and sums are what they are given.
+/// Information about the ranks that a scene runs on; member functions of Simulation. Without Ranks
+/// there is one rank, and sums return their argument.
 ///
-/// On many ranks the functions that say "collective" must be called by every rank, as run() is: in
-/// an observer, or between runs, but not behind `if (sim.rank() == 0)`, where the others would be
-/// waited for without end. Tests: tests/parallel/rank_output.cpp.
+/// With several ranks, functions marked "collective" must be called by every rank, as run() is: in
+/// an observer, or between runs, but not inside `if (sim.rank() == 0)`, where that rank would wait
+/// for the others forever. Tests: tests/parallel/rank_output.cpp.
 template <class Sim>
 class RankAccess {
  public:
-  /// The number of this rank, from 0 on: the one to print, and to write files of one's own, is 0.
+  /// The number of this rank, from 0 on. Print, and write your own files, on rank 0.
   int rank() const {
     if constexpr (Sim::has_ranks)
       return sim().engine().ranks.rank();
     else
       return 0;
   }
-  /// How many ranks there are.
+  /// Number of ranks.
   int ranks() const {
     if constexpr (Sim::has_ranks)
       return sim().engine().ranks.size();
     else
       return 1;
   }
-  /// The sum of a number of each rank, added in the order of ranks: equal on all (collective).
+  /// The sum of one number over the ranks, added in the order of ranks; the result is the same on
+  /// all ranks (collective).
   ///   double above = 0;  // [kg] of own particles: places 0 ... rows()-1 are of this rank alone
   ///   ...
   ///   above = sim.sum_over_ranks(above);
@@ -51,13 +52,13 @@ class RankAccess {
     sum_over_ranks(std::span<double>(sums));
     return {sums[0], sums[1], sums[2]};
   }
-  /// Likewise of several numbers at once, as many on each rank.
+  /// The same for several numbers at once; every rank must give the same count.
   void sum_over_ranks([[maybe_unused]] std::span<double> own) const {
     if constexpr (Sim::has_ranks)
       sim().engine().ranks.meet("a sum over ranks"), sim().engine().ranks.sum_of(own);
   }
-  /// What each rank has, by its number (collective). Work that is not even is time lost: all wait
-  /// for the rank that has most.
+  /// The load of each rank, in order (collective). Uneven work costs time: all ranks wait for the
+  /// one with the largest load.
   std::vector<RankLoad> rank_loads() const {
     RankLoad own;
     const auto& e = sim().engine();
@@ -81,7 +82,7 @@ class RankAccess {
       return {own};
     }
   }
-  /// The largest that a rank has (collective).
+  /// The maximum over the ranks (collective).
   double largest_over_ranks(double own) const {
     if constexpr (Sim::has_ranks) {
       sim().engine().ranks.meet("a maximum over ranks");
@@ -94,7 +95,7 @@ class RankAccess {
   const Sim& sim() const { return static_cast<const Sim&>(*this); }
 };
 
-/// Of measures that know the particles of one process alone.
+/// For measures that only know the particles of one process.
 template <class Sim>
 constexpr void need_one_process() {
   static_assert(!Sim::has_ranks,
@@ -126,7 +127,7 @@ Table merged_over_ranks([[maybe_unused]] const Sim& sim, const Table& own) {
   }
 }
 
-/// Does what each rank does by itself; what one throws, all throw (collective).
+/// Runs work that each rank does by itself; if it throws on one rank, all throw (collective).
 template <class Sim, class Work>
 void on_all_ranks([[maybe_unused]] const Sim& sim, [[maybe_unused]] const char* call,
                   const Work& work) {
