@@ -118,9 +118,11 @@ void fill(Sim& sim, const Scene& s) {
   sim.run(Scene::between);
 }
 
+/// From now on; before it the drum is at rest.
 template <class Sim>
 void begin_to_turn(Sim& sim, const Scene& s) {
-  sim.set_motion("drum", silt::from(sim.time(), silt::rotation({0, 0, 0}, {0, 1, 0}, s.rate())));
+  sim.set_motion("drum", [turn = silt::rotation({0, 0, 0}, {0, 1, 0}, s.rate()), now = sim.time()](
+                             double time) { return turn(std::max(time - now, 0.0)); });
 }
 
 }  // namespace drum_of_shapes
