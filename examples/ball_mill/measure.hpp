@@ -25,7 +25,7 @@ void add_frame(silt::SideView& view, const Sim& sim) {
     view.add_disc(sim.position(k).x, sim.position(k).z, sim.radius(k));
 }
 
-/// Turns the filled drum, and films it after the first turns.
+/// Rotates the filled drum, and films it after the first turns.
 template <class Sim, class... Observers>
 silt::SideView turn_and_film(const Scene& s, Sim& sim, Observers&&... observers) {
   sim.set_motion("drum", turning(sim.time(), s.rate()));
@@ -39,7 +39,8 @@ silt::SideView turn_and_film(const Scene& s, Sim& sim, Observers&&... observers)
   return view;
 }
 
-/// The angle of repose [degrees] of a case with these pair values: what a calibration compares.
+/// Angle of repose [degrees] of a case with these pair values: the output that a calibration
+/// compares.
 inline double mill_angle(const Scene& s, int threads) {
   const auto angle = [&](auto sim) {
     return silt::repose_line(turn_and_film(s, sim).share()).angle;
@@ -47,7 +48,7 @@ inline double mill_angle(const Scene& s, int threads) {
   return s.periodic ? angle(filled_mill(s, threads, period(s))) : angle(filled_mill(s, threads));
 }
 
-/// The angles [degrees] of the three dry drums. `like` has what is not varied.
+/// The angles [degrees] of the three dry drums. `like` sets everything that is not varied.
 inline std::array<double, 3> mill_targets(double restitution, double friction, Scene like = {},
                                           int threads = 1) {
   std::array<double, 3> out{};
@@ -56,7 +57,7 @@ inline std::array<double, 3> mill_targets(double restitution, double friction, S
     like.name = mills[k].name, out[k] = mill_angle(like, threads);
   return out;
 }
-/// [degrees^2] sum of squares of what they are off the recordings of balls alone.
+/// [degrees^2] sum of squared deviations from the recordings of balls only.
 inline double squared_error(const std::array<double, 3>& angles) {
   double sum = 0;
   for (std::size_t k = 0; k < mills.size(); ++k)

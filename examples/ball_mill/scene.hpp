@@ -55,12 +55,12 @@ struct Scene {
   }
 };
 
-/// Seen along y the drum turns clockwise, so that the bed is high on the left as in the paper.
+/// Seen along y the drum rotates clockwise: the bed is high on the left, as in the paper.
 inline silt::Motion turning(double now, double rate) {
   return silt::from(now, silt::rotation({0, 0, 0}, {0, 1, 0}, rate));
 }
 
-/// Diameters [m] of all balls, in the order in which they are put in.
+/// Diameters [m] of all balls, in the order of insertion.
 inline std::vector<double> ball_sizes(const Scene& s, silt::Random& random) {
   std::vector<double> out;
   const auto classes = bond_classes(s.drum().least);
@@ -71,7 +71,7 @@ inline std::vector<double> ball_sizes(const Scene& s, silt::Random& random) {
   return out;
 }
 
-/// The space that repeats along the axis, in place of end walls.
+/// The domain, periodic along the axis; it replaces end walls.
 inline silt::PeriodicBox period(const Scene& s) {
   const double R = s.radius();
   return {{{-R, 0, -R}, {R, s.length, R}}, {false, true, false}};
@@ -90,8 +90,8 @@ auto make_mill(const Scene& s, silt::Particles<silt::Sphere> balls, int threads,
   return sim;
 }
 
-/// Balls of the next sizes for the free upper part of the drum, at places of a lattice that are
-/// free; those that found one are taken off the end of `sizes`.
+/// Balls of the next sizes at free lattice sites in the free upper part of the drum; those placed
+/// are removed from the end of `sizes`.
 template <class IsFree>
 silt::Particles<silt::Sphere> batch(const Scene& s, std::vector<double>& sizes,
                                     silt::Random& random, const IsFree& is_free) {
@@ -117,7 +117,7 @@ silt::Particles<silt::Sphere> batch(const Scene& s, std::vector<double>& sizes,
   return out;
 }
 
-/// The drum, filled and at rest; the number of balls is that of the case.
+/// The drum, filled and at rest, with the case's number of balls.
 template <class... Policies>
 auto filled_mill(const Scene& s, int threads, const Policies&... policies) {
   silt::Random random(s.seed);

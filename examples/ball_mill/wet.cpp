@@ -123,8 +123,8 @@ void check_run(example::Summary& summary, const Scene& s, const Slurry& slurry, 
                        "half a layer of the lattice");
   summary.check_at_most("share_that_left_or_was_displaced",
                         1 - static_cast<double>(sim.fluid().size()) / m.particles, 0.01);
-  // 0.006 was seen: drops that hit something. 0.056 in a drum half as long, before spray gave up
-  // its pressure (docs/ball_mill.md).
+  // Observed: 0.006, drops at impact. 0.056 in a drum half as long, when spray still kept its
+  // pressure (docs/ball_mill.md).
   summary.check_at_most("share_that_hangs_in_the_air", m.air.hangs, 0.01);
   summary.check_at_most("share_inside_balls", m.run.inside_balls, 0.1);
   summary.check_at_most("share_whose_density_is_off_by_5_percent", m.run.off, 0.02);

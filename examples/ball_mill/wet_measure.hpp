@@ -18,7 +18,7 @@
 
 namespace ball_mill {
 
-/// The highest slurry over each place along x, in the middle of the drum, frame by frame.
+/// Highest slurry at each position along x, in the middle of the drum, frame by frame.
 class Heights {
  public:
   Heights(const Scene& s, const Slurry& slurry)
@@ -41,8 +41,8 @@ class Heights {
     for (std::size_t k = 0; k < of_.size(); ++k)
       if (highest[k] > none) of_[k].push_back(highest[k]);
   }
-  /// Of each place the heights from the median to the third quartile, as in the paper: without
-  /// drops in the air, and without gaps that balls leave.
+  /// At each position the heights from the median to the third quartile, as in the paper: this
+  /// excludes drops in the air and gaps left by balls.
   void clean(std::vector<double>& x, std::vector<double>& z) const {
     for (std::size_t k = 0; k < of_.size(); ++k) {
       auto all = of_[k];
@@ -65,7 +65,7 @@ struct WetRun {
   double inside_balls = 0;      // [-] largest share of the slurry
 };
 
-/// Speeds, densities, and the slurry that has gone into balls.
+/// Speeds, densities, and the slurry inside balls.
 template <class Sim>
 void look(Sim& sim, WetRun& run) {
   std::vector<double> speeds;
@@ -88,9 +88,9 @@ void look(Sim& sim, WetRun& run) {
   run.inside_balls = std::max(run.inside_balls, static_cast<double>(inside) / n);
 }
 
-/// Of the slurry's particles, what share flies alone: 1.5 spacings and more from drum and balls,
-/// with less than three others within 1.3. And which of it hangs: it does not fall freely, by half
-/// of gravity over 2 ms.
+/// Fraction of the slurry particles that fly alone: 1.5 spacings and more from drum and balls, with
+/// fewer than three others within 1.3 spacings; and of those among them that hang: their fall
+/// deviates from free fall by more than half of gravity over 2 ms. Both over all particles.
 struct Airborne {
   double share = 0, hangs = 0;  // [-]
 };
@@ -123,7 +123,7 @@ Airborne airborne(Sim& sim, const Scene& s, double spacing) {
   return {out.share / n, out.hangs / n};
 }
 
-/// [N m] the drum's mean torque with balls alone, over the same time.
+/// [N m] the drum's mean torque with balls only, over the same time.
 template <class Sim>
 double dry_torque(Sim& sim, const Scene& s, double seconds) {
   sim.set_motion("drum", turning(sim.time(), s.rate()));

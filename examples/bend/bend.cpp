@@ -1,13 +1,13 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Dilute pneumatic conveying through a bend of 90 degrees: air and spheres from a level pipe into a
-// rising one (hv), from a rising pipe into a level one (vh), or from level to level (hh). Behind
-// the bend particles run in a rope along its outer wall, which spreads. Twice: with a gas that does
-// not see the volume of the particles but only their drag (the simplified model), and with one
-// that does (the traditional, volume-averaged one). Pipe of 50 mm, the same walls for particles and
-// gas: a mesh made here.
+// Dilute pneumatic conveying through a bend of 90 degrees: air and spheres from a horizontal pipe
+// into a vertical one (hv), from a vertical pipe into a horizontal one (vh), or from horizontal to
+// horizontal (hh). Behind the bend, particles form a rope along its outer wall, which disperses.
+// Two runs: in the simplified model the gas sees the drag of the particles but not their volume, in
+// the traditional, volume-averaged model both. Pipe of 50 mm; the same mesh, generated here, is the
+// wall for particles and gas.
 //
-// The pipe comes along x, bends about z and goes on along y; only gravity differs. The set-up is
+// The pipe starts along x, bends about z and continues along y; only gravity differs. The set-up is
 // scene.hpp; measure.hpp has what is measured, report.hpp tables and checks.
 
 #include <algorithm>
@@ -41,8 +41,8 @@ Run run(const Scene& s, const example::Options& options, bool simplified) {
     if (now.time() < s.from()) return;
     done.measured.add(now);
   });
-  // Particles that appear at the inlet take the place of gas at once, which the pressure of the
-  // traditional model shows as noise: a mean over times that have nothing to do with the inlet's.
+  // Particles that appear at the inlet displace gas instantly, which gives pressure noise in the
+  // traditional model. The pressure is therefore averaged at times unrelated to the inlet's.
   auto pressures = silt::at(silt::every(1.37e-4), [&](const auto& now) {
     if (now.time() < s.from()) return;
     done.drop += now.fluid().flow().pressure()(1, column, middle), ++samples;

@@ -14,7 +14,7 @@
 
 namespace bend {
 
-/// What passes the cross-sections behind the bend, and how fast it is along the pipe.
+/// Particles crossing the sections behind the bend, and their axial velocities.
 class Measured {
  public:
   static constexpr int bins = 10;
@@ -47,13 +47,13 @@ class Measured {
     const auto k = static_cast<std::size_t>(at);
     return k < sections_.size() ? sections_[k] : none;
   }
-  /// Share of the particles in each tenth of the diameter.
+  /// Fraction of the particles in each tenth of the diameter.
   std::array<double, bins> histogram(int at) const {
     std::array<double, bins> share{};
     for (const auto& p : section(at)) share[bin(p)] += 1 / static_cast<double>(section(at).size());
     return share;
   }
-  /// [m/s] mean in each tenth; no number where there are fewer than 10 particles.
+  /// [m/s] mean in each tenth; NaN where there are fewer than 10 particles.
   std::array<double, bins> speeds(int at) const {
     std::array<double, bins> sum{}, count{};
     for (const auto& p : section(at)) sum[bin(p)] += p.speed, count[bin(p)] += 1;
@@ -67,7 +67,7 @@ class Measured {
   double mean_z(int at) const {
     return mean(at, [](const Passing& p) { return p.z; });
   }
-  /// [D] root of the mean square distance from their middle.
+  /// [D] rms distance from their mean position.
   double spread(int at) const {
     const double x = mean_across(at), z = mean_z(at);
     return std::sqrt(mean(at, [&](const Passing& p) {
@@ -79,7 +79,7 @@ class Measured {
   double speed(std::size_t piece) const {
     return along_[piece].sum / std::max(1.0, along_[piece].count);
   }
-  /// [D] behind the bend, where particles are slowest.
+  /// [D] distance behind the bend at which particles are slowest.
   double slowest() const {
     std::size_t best = 0;
     for (std::size_t k = 0; k < along_.size(); ++k)
@@ -115,7 +115,8 @@ struct Run {
   double fluid_steps = 0, seconds = 0;      // [-], [s] of wall time
 };
 
-/// Half the sum of differences of two histograms: 0 the same, 1 without a common particle.
+/// Half the sum of absolute differences of two histograms: 0 identical, 1 without a common
+/// particle.
 inline double difference(const Measured& a, const Measured& b, int at) {
   double sum = 0;
   const auto p = a.histogram(at), q = b.histogram(at);

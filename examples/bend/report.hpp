@@ -46,7 +46,7 @@ struct Verdict {
   bool simplified, traditional;
   bool expected = true;  // false: known not to be so here, as docs/fluid.md says
 };
-/// What was published of each case (figures 6 to 9 of the paper), and whether it is so here.
+/// Published statements on each case (figures 6 to 9 of the paper), and whether they hold here.
 inline std::vector<Verdict> verdicts(const Scene& s, const Measured& a, const Measured& b) {
   std::vector<Verdict> all;
   const auto add = [&](const std::string& of, const auto& holds) {
@@ -85,7 +85,7 @@ inline std::vector<Verdict> verdicts(const Scene& s, const Measured& a, const Me
   const std::array<int, 2> at = s.kind == "hv"   ? std::array{3, 5}
                                 : s.kind == "vh" ? std::array{1, 3}
                                                  : std::array{7, 9};
-  // A tenth: what neighbouring bins of a few thousand particles of one rope differ by.
+  // A tenth: the difference of neighbouring bins of a few thousand particles of one rope.
   const bool alike = std::max(difference(a, b, at[0]), difference(a, b, at[1])) < 0.1;
   const bool as_said = s.kind == "hh" ? !alike : alike;
   all.push_back({s.kind == "hh" ? "the models differ" : "the models agree", as_said, as_said,
@@ -122,14 +122,14 @@ inline void report_run(example::Summary& summary, const Run& r, const std::strin
   summary.result("fluid_steps_" + name, r.fluid_steps);
   summary.result("particles_inside_" + name, r.inside);
   summary.result("wall_time_s_" + name, r.seconds);
-  // A particle that is deleted without leaving by the outlet, or counted twice as it does.
+  // Fails for a particle deleted without leaving by the outlet, or counted twice.
   summary.check_at_most("particles_lost_" + name, std::abs(r.placed - r.left - r.inside), 0);
-  // In the traditional model the volume of particles that come and go counts.
+  // In the traditional model the volume of entering and leaving particles matters.
   summary.check_at_most("gas_out_over_in_less_1_" + name, r.flow_error,
                         name == "simplified" ? 1e-4 : 0.02);
-  // Solids that found no room in a cell, and would be left out of the balance.
+  // Fails for solids that did not fit into a cell, and would be missing in the balance.
   summary.check_at_most("clipped_solids_m3_" + name, r.clipped, 0);
-  // A bend whose particles do not go to its outer wall.
+  // Fails for a bend whose particles do not move to its outer wall.
   summary.check_at_least("mean_across_at_bend_exit_" + name, m.mean_across(0), 0.6);
   summary.check_at_least("particles_seen_at_bend_exit_" + name,
                          static_cast<double>(m.section(0).size()), 20);
@@ -146,9 +146,9 @@ inline void compare_models(example::Summary& summary, const Scene& s, const Run&
   for (const auto& v : verdicts(s, simple.measured, full.measured)) {
     summary.result("as_published_simplified: " + v.of, v.simplified);
     summary.result("as_published_traditional: " + v.of, v.traditional);
-    // Checks of the run that docs/fluid.md describes, or a longer one: a rope on the wrong side
-    // of the pipe, models that part where they are known to agree - or a table there that is no
-    // longer true.
+    // Only for the run described in docs/fluid.md, or a longer one. Fails for a rope on the wrong
+    // side of the pipe, for models that differ where they are known to agree, and for an outdated
+    // table there.
     if (s.duration < Scene{}.duration) continue;
     const std::string name = (v.expected ? "as_published_" : "not_as_published_");
     summary.check_at_least(name + "simplified: " + v.of, v.simplified == v.expected, 1);

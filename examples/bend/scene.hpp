@@ -2,7 +2,8 @@
 #pragma once
 
 // The bend's scene: a pipe of 50 mm as a mesh, which is the wall of particles and gas, the air in
-// it, and spheres that come in with it. The pipe comes along x, bends about z and goes on along y.
+// it, and spheres that come in with it. The pipe starts along x, bends about z and continues along
+// y.
 //
 //   bend::Scene s;
 //   auto sim = bend::make_simulation(s, silt::MomentumModel::A);
@@ -72,7 +73,7 @@ inline silt::TriangleMesh pipe(const Scene& s) {
     add({s.bend * std::sin(angle), s.bend * (1 - std::cos(angle)), 0}, angle);
   }
   for (int k = 1; k <= legs; ++k) add({s.bend, s.bend + (s.outlet + more) * k / legs, 0}, pi / 2);
-  // A polygon of the circle's area.
+  // A polygon with the circle's area.
   const double step = 2 * pi / sides, R = s.D / 2 * std::sqrt(step / std::sin(step));
   std::vector<std::array<Vec3d, 3>> soup;
   const auto corner = [&](const Ring& ring, int k) {
@@ -88,14 +89,15 @@ inline silt::TriangleMesh pipe(const Scene& s) {
   return silt::TriangleMesh(soup);
 }
 
-/// Air through the pipe, turbulent, with the profile of a long pipe where it comes in.
+/// Turbulent air flow through the pipe, with a fully developed profile at the inlet.
 inline silt::FlowSolver air(const Scene& s, const silt::TriangleMesh& wall,
                             silt::MomentumModel model) {
   const double h = s.cell(), side = s.D / 2 + h;
   const auto cells = [&](double length) { return static_cast<int>(std::ceil(length / h - 1e-9)); };
   const int nx = cells(s.inlet + s.bend + side), ny = cells(side + s.bend + s.outlet),
             nz = cells(2 * side);
-  // Whole cells: the pipe's middle in the middle of the box in z; the rest goes to the far sides.
+  // Whole cells: the pipe's centre in the middle of the box in z; the remainder goes to the far
+  // sides.
   const Vec3d low{-s.inlet, -side, -0.5 * nz * h};
   const double end = s.bend + s.outlet;
   silt::FlowSolver flow(
@@ -108,7 +110,8 @@ inline silt::FlowSolver air(const Scene& s, const silt::TriangleMesh& wall,
   else
     flow.set_turbulence(silt::MixingLength{.half_width = s.D / 2});
   flow.set_side(1, 1, silt::Outflow{});
-  // Open faces are some more or less than the pipe: what comes in is made exact.
+  // The open cell faces cover slightly more or less than the pipe: the inflow is scaled to the
+  // exact rate.
   double share = 1;
   for (int k = 0; k < 2; ++k) {
     const auto seventh = [s, share](const Vec3d& x) {
@@ -134,7 +137,7 @@ inline auto make_simulation(const Scene& s, silt::MomentumModel model) {
   sim.add_wall(wall, s.material());
   sim.gravity = s.gravity();
   sim.time_step = 5e-6;
-  // They come in without touching the wall.
+  // They enter without touching the wall.
   const double first = -s.inlet + s.radius(), room = 0.95 * s.D / 2;
   sim.add_inlet(silt::CylinderRegion{{first, 0, 0}, {first + 0.03, 0, 0}, room},
                 {.radius = silt::uniform(s.radius(), s.radius()),

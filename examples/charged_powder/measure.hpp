@@ -36,13 +36,14 @@ struct Charges {
   }
 };
 
-/// How many grains of each size stick to the plate turned over, and whether those do that should.
+/// Number of grains of each size that stick to the inverted plate, and whether these are the right
+/// ones.
 struct Sticking {
   static constexpr std::size_t classes = 14;
   std::array<double, classes> stick{}, held{}, all{};
   double sum = 0, judged = 0, wrong = 0;
 
-  /// `hold` [-]: by the image, over the weight; within 10 % of it nothing is said.
+  /// `hold` [-]: image force over weight; within 10 % of 1 a grain is not judged.
   void add(const Scene& s, double radius, double hold, bool sticks) {
     const double place = (radius - s.r_min) / (s.r_max - s.r_min) * classes;
     const auto c = std::min(static_cast<std::size_t>(place), classes - 1);

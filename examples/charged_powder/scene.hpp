@@ -43,8 +43,8 @@ struct Scene {
   Law::Material metal() const {
     return {.youngs_modulus = 2e7, .poisson_ratio = 0.3, .restitution = 0.7, .friction = friction};
   }
-  /// Of a grain on the plate: charge at which no more passes [C]; shares of it that hold the
-  /// weight.
+  /// For a grain on the plate: the charge at which transfer stops [C]; the fractions of it whose
+  /// image force equals the weight.
   double saturation(double radius) const {
     return 2 * std::numbers::pi * Charge::eps0 * radius * radius * voltage / delta;
   }
@@ -52,12 +52,14 @@ struct Scene {
     const double weight = density * silt::Sphere::volume(radius) * g;
     return charge * charge / (16 * std::numbers::pi * Charge::eps0 * radius * radius) / weight;
   }
-  /// Where the image of a grain with this share of its saturation holds its weight [m].
+  /// Distance [m] at which the image force of a grain with this fraction of its saturation charge
+  /// equals its weight.
   double radius_at_limit(double share) const {
     return 3 * Charge::eps0 * std::pow(voltage * share / delta, 2) / (16 * density * g);
   }
   double early() const { return 0.15 * shaken; }  // [s] when a picture is taken
-  /// What n impacts do that press a grain into the plate by `overlap` [m]: 1/n0 of the exponential.
+  /// Effect of n impacts that press a grain into the plate by `overlap` [m]: 1/n0 of the
+  /// exponential.
   double charging(double radius, double approach) const {
     const Law::Material a = powder(), b = metal();
     const double overlap =

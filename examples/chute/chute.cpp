@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Wear of a transfer chute: ore falls onto a steep steel plate, slides down, goes through a bend
-// and leaves. A batch is fed and leaves, so that each place has seen all of it. What sliding
-// (Archard) and impacts (Finnie) wear is compared with contacts and impacts as they are read by
-// other ways, with the work of friction, and with a block that slides down.
+// Wear of a transfer chute: ore falls onto a steep steel plate, slides down, passes a bend and
+// leaves. A batch is fed and leaves entirely: the whole batch has passed each place. Wear by
+// sliding (Archard) and by impacts (Finnie) is compared with values from contacts and impacts
+// recorded by other means, with the friction work, and with a sliding block.
 //
 // The set-up is scene.hpp; measure.hpp has what is measured and closed forms, report.hpp tables and
 // checks.
@@ -22,7 +22,7 @@
 namespace chute {
 namespace {
 
-/// Feeds the batch until all of it has left, and returns how much left [kg/s] in the steady part.
+/// Feeds the batch until all of it has left; returns the outflow [kg/s] in the steady part.
 template <class Sim>
 double run(Sim& sim, const Scene& s, const std::string& out, Seen& seen) {
   auto contacts =

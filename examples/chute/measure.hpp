@@ -1,8 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// What is measured: wear by place, from the modules and by other routes; and the closed forms that
-// it is compared with.
+// What is measured: wear by place, from the modules and by other routes; closed forms for the wear.
 
 #include <algorithm>
 #include <array>
@@ -14,7 +13,7 @@
 
 namespace chute {
 
-/// Volumes [m3] of the floor by place, and of the whole chute.
+/// Volumes [m3] of the floor by position, and of the whole chute.
 struct Worn {
   std::vector<double> floor;
   double all = 0;
@@ -26,7 +25,7 @@ struct Worn {
   }
 };
 
-/// Finnie's law as textbooks write it, of speed [m/s] and angle [rad].
+/// Finnie's law in its textbook form, of speed [m/s] and angle [rad].
 inline double cut(const silt::Finnie& law, double mass, double speed, double angle) {
   const double K = law.force_ratio;
   const double f = std::tan(angle) <= K / 6
@@ -35,13 +34,13 @@ inline double cut(const silt::Finnie& law, double mass, double speed, double ang
   return law.share_cutting * mass * speed * speed * f / (law.flow_stress * law.depth_ratio * K);
 }
 
-/// Depth [m/kg] that Archard's law gives a block, which falls onto the plate and slides down with
-/// the whole flow: k/(H b) (g cos(slope) + v^2/r), whatever the thickness of the flow. 0 before it
+/// Depth [m/kg] by Archard's law of a block that falls onto the plate and slides down with the
+/// whole flow: k/(H b) (g cos(slope) + v^2/r), independent of the flow's thickness. 0 before it
 /// lands.
 inline std::vector<double> block_depth(const Scene& s) {
   const double top = Scene::radians(s.steep), start = s.landing();
   const double fall = 0.5 * (s.inlet().min.z + s.inlet().max.z) + start * std::sin(top) - s.r_max;
-  // What goes across the plate is lost, and friction takes its share of that impulse.
+  // The normal velocity is lost, and friction removes its share of that impulse.
   double v =
       std::sqrt(s.feed * s.feed + 2 * s.g * fall) * (std::sin(top) - s.friction * std::cos(top));
   std::vector<double> depth(Worn(s).floor.size(), 0.0);
@@ -70,7 +69,7 @@ Worn worn_by(const Sim& sim, const Scene& s) {
   return worn;
 }
 
-/// Wear by other routes than the modules': from contacts that are read now and then, and impacts.
+/// Wear computed without the modules: from contacts sampled at intervals, and from impacts.
 struct Seen {
   static constexpr double sample = 0.5e-3;  // [s]
   Worn sliding, impacts;

@@ -11,7 +11,7 @@
 
 namespace chute {
 
-/// Depths in mm after 100 000 t, and at which angles impacts wear.
+/// Depths in mm after 100 000 t, and the angles at which impacts cause wear.
 inline void write_tables(const Scene& s, const std::string& out, const Worn& slid, const Worn& cuts,
                          const Seen& seen, double fed) {
   silt::CsvTable profile(out + "/profile.csv", {"place [m]", "sliding", "sliding by contacts",

@@ -25,7 +25,7 @@ using silt::Vec3d;
 using Law = silt::HertzMindlin;
 using Sliding = silt::Wear<silt::Archard>;
 using Cutting = silt::Wear<silt::Finnie>;
-/// A law of one's own: the work of friction on each facet, in J in place of m3.
+/// A user-defined law: the friction work on each facet, in J instead of m3.
 struct FrictionWork {
   double volume(const silt::WallRub& c) const { return c.tangential_force * c.slip * c.duration; }
 };
@@ -59,11 +59,11 @@ struct Scene {
   double landing() const {  // [m] where the middle of what falls meets the plate
     return 0.5 * (inlet().min.x + inlet().max.x) / std::cos(radians(steep));
   }
-  /// Slope [rad] at a way s [m] from the upper end.
+  /// Slope [rad] at the distance s [m] along the chute from the upper end.
   double slope(double s) const {
     return radians(steep) - std::clamp((s - upper) / radius, 0.0, radians(steep - flat));
   }
-  /// The point at s, y, and a height h above the floor.
+  /// The point at s, y, and the height h above the floor.
   Vec3d at(double s, double y, double h) const {
     const double top = radians(steep), t = slope(s), l = std::max(s - upper - bend(), 0.0);
     const double u = std::min(s, upper), r = radius;
@@ -72,7 +72,7 @@ struct Scene {
         y,
         -u * std::sin(top) + r * (std::cos(top) - std::cos(t)) - l * std::sin(t) + h * std::cos(t)};
   }
-  /// The way s of a point on or above the chute.
+  /// The distance s of a point on or above the chute.
   double place(const Vec3d& p) const {
     const double top = radians(steep), end = radians(flat);
     const double s = p.x * std::cos(top) - p.z * std::sin(top);
@@ -103,7 +103,7 @@ inline auto make_simulation(const Scene& s) {
       .youngs_modulus = 3e7, .poisson_ratio = 0.3, .restitution = 0.3, .friction = 0.5};
   const Law::Material steel{
       .youngs_modulus = 6e7, .poisson_ratio = 0.3, .restitution = 0.3, .friction = s.friction};
-  // Grains of ore are not round: rolling resistance above friction, so that they slide.
+  // Grains of ore are not round: rolling resistance above friction makes them slide.
   silt::Contacts<Law, silt::RollingEpsd, silt::SeveralMaterials> contacts{
       {ore, steel}, {.rolling_friction = 0.5}};
   contacts.set_pair(ore, steel, {.restitution = 0.3, .friction = s.friction});

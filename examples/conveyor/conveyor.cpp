@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A transfer between two belts. Ore and its fines come onto a belt, which throws them at a hinged
-// plate; they fall onto a second belt, which carries them off across. What a plant wants to know:
-// the throughput, how long material takes, the power of the belts, and where the plate hangs.
+// A transfer point between two belts. Ore and fines enter on a belt, which throws them at a hinged
+// plate; they fall onto a second belt, which carries them away at a right angle. Results of
+// interest for a plant: throughput, residence time, power of the belts, and position of the plate.
 //
 // The set-up is scene.hpp; measure.hpp has what is measured, report.hpp pictures and checks.
 

@@ -43,7 +43,7 @@ struct Steady {
   double power(const Scene& s) const { return upper * s.upper + lower * s.lower; }  // [W]
 };
 
-/// Takes means over the time in which the flow is steady.
+/// Means over the time of steady flow.
 template <class Sim>
 class SteadyFlow {
  public:

@@ -20,7 +20,7 @@ using Law = silt::HertzMindlin;
 
 constexpr double g = 9.81;  // [m/s2]
 
-/// Counts how long each grain has been there.
+/// Residence time of each grain.
 struct Age {
   struct Fields {
     double age = 0;  // [s]
@@ -42,7 +42,7 @@ struct Scene {
   static constexpr double skirt = 0.08;                                 // [m] height
   static constexpr double at_plate = 0.11, hinge = 0.43, plate = 0.29;  // [m]
 
-  // The feed: a quarter of the number are lumps, the rest is fines.
+  // The feed: a quarter of the grains by number are lumps, the rest fines.
   static constexpr double lumps = 0.25, small[2] = {3e-3, 5e-3}, large[2] = {6e-3, 8e-3};  // [m]
 
   double steady() const {  // [s] from when the flow is: half as long again as both belts take
@@ -55,8 +55,8 @@ struct Scene {
     };
     return (1 - lumps) * of(small) + lumps * of(large);
   }
-  /// Standard deviation of what comes in a time [s], over its mean [-]: grains in number as asked
-  /// for, of random masses.
+  /// Standard deviation of the mass fed within a time [s], over its mean [-]: the number of grains
+  /// is exact, their masses are random.
   double scatter(double time) const {
     const double mass = density * silt::Sphere::volume(1) * moment(3);
     return std::sqrt((moment(6) / (moment(3) * moment(3)) - 1) * mass / (rate * time));

@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Low-speed impact: a ball of metal, a free body made of a mesh, falls from several heights onto a
-// bed of grains and stops in it. The bed is settled once; each drop goes on from its checkpoint in
-// a scene that has changed: with the ball, other restitution and another time step. Once more it
-// goes on with gravity tilted, which gives the angle of repose that the law of the depths needs.
+// Low-speed impact: a metal ball, a free body made of a mesh, falls from several heights onto a bed
+// of grains and stops in it. The bed settles once; each drop continues from its checkpoint in a
+// modified scene: with the ball, another restitution and another time step. One more run continues
+// with tilted gravity; it gives the angle of repose for the depth law.
 //
 // The set-up is scene.hpp; measure.hpp has what is measured, laws.hpp the laws that are fitted to
 // it, report.hpp tables and checks.
@@ -35,7 +35,7 @@ Bed settle(const Scene& s, const example::Options& options) {
           surface.slope()};
 }
 
-/// [degrees] The bed goes on with gravity tilted, and flows until its surface is no steeper.
+/// [degrees] The bed continues with tilted gravity, and flows until its surface is no steeper.
 double repose(const Scene& s, const Bed& bed, const example::Options& options) {
   std::printf("gravity tilted by %.0f degrees\n", s.tilt);
   auto sim = make_simulation(s, false);
@@ -48,7 +48,7 @@ double repose(const Scene& s, const Bed& bed, const example::Options& options) {
   return s.tilt - Surface(s, sim).slope() + bed.slope;
 }
 
-/// One drop, from the checkpoint; the `last` leaves pictures of its way down.
+/// One drop, from the checkpoint; the `last` writes pictures of its way down.
 Outcome fall(const Scene& s, const Bed& bed, const Drop& drop, bool last,
              const example::Options& options) {
   std::printf("%.0f kg/m3 from %.0f mm\n", drop.density, 1e3 * drop.height);

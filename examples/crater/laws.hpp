@@ -12,15 +12,15 @@
 
 namespace crater {
 
-/// Depth [balls] at which a ball is at rest that is `over` times as dense as the bed and has fallen
-/// by `fall` [balls], its depth included: 0.14/mu over^(1/2) fall^(1/3), mu the tangent of the
-/// angle of repose. J. S. Uehara, M. A. Ambroso, R. P. Ojha, D. J. Durian, Phys. Rev. Lett. 90
-/// (2003) 194301; the powers as in their abstract, the factor recalled.
+/// Depth [balls] at which a ball comes to rest that is `over` times as dense as the bed and has
+/// fallen by `fall` [balls], its depth included: 0.14/mu over^(1/2) fall^(1/3), mu the tangent of
+/// the angle of repose. J. S. Uehara, M. A. Ambroso, R. P. Ojha, D. J. Durian, Phys. Rev. Lett. 90
+/// (2003) 194301; the exponents as in their abstract, the factor recalled.
 inline double law_depth(double mu, double over, double fall) {
   return 0.14 / mu * std::sqrt(over) * std::cbrt(fall);
 }
 
-/// What all drops say together: ln(depth/D) = c + n ln(H/D) + b ln(density of ball over bed).
+/// Fit of all drops: ln(depth/D) = c + n ln(H/D) + b ln(density of ball over bed).
 inline silt::LinearFit fit_depths(const Scene& s, const Bed& bed, const std::vector<Outcome>& all) {
   const auto n = static_cast<Eigen::Index>(all.size());
   Eigen::MatrixXd x(n, 3);
@@ -51,7 +51,7 @@ struct ForceLaw {
     d1 = 1 / fit.value[0], d1_error = d1 * fit.error[0] / fit.value[0];
     k = fit.value[1], k_error = fit.error[1];
   }
-  /// [m] at which it stops a ball, at most the bed's depth.
+  /// [m] at which this law stops a ball, at most the bed's depth.
   double depth(const Scene& s, const Drop& drop) const {
     double z = 0, v = drop.speed();
     for (const double dt = 1e-5; v > 0 && z < s.bed(); z += v * dt)

@@ -21,7 +21,7 @@
 
 namespace crater {
 
-/// Where the bed's surface is: the solid above a height, packed as below it.
+/// Height of the bed's surface: the solid volume above a height, packed as below it.
 class Surface {
  public:
   template <class Sim>
@@ -37,7 +37,7 @@ class Surface {
   }
   double level() const { return level_; }        // [m]
   double fraction() const { return fraction_; }  // [-] of solid
-  /// Slope [degrees] towards +x of the surface's middle, by strips across x.
+  /// Slope [degrees] towards +x of the middle of the surface, from strips across x.
   double slope() const {
     const double width = 2 * scene_.grain, half = 0.3 * scene_.pot(), low = 0.2 * scene_.bed();
     std::vector<double> middles, heights;  // [m]
@@ -55,7 +55,7 @@ class Surface {
     Vec3d at;
     double radius;
   };
-  /// [m3] above a height, of grains whose middles are inside.
+  /// [m3] above a height, of grains whose centres are inside.
   template <class Inside>
   double solid_over(double height, const Inside& inside) const {
     double sum = 0;
@@ -71,7 +71,7 @@ class Surface {
   double level_ = 0, fraction_ = 0;
 };
 
-/// Where each grain is, how fast, and how it spins, by its id.
+/// Position, velocity and angular velocity of each grain, by its id.
 struct State {
   std::map<std::uint64_t, std::array<Vec3d, 3>> grains;
   template <class Sim>
@@ -79,7 +79,7 @@ struct State {
     for (std::size_t k = 0; k < sim.rows(); ++k)
       grains[sim.id(k)] = {sim.position(k), sim.velocity(k), sim.angular_velocity(k)};
   }
-  /// How many are not exactly as they are there.
+  /// Number of grains that are not exactly equal to these.
   std::size_t differ(const State& from) const {
     std::size_t count = grains.size() > from.grains.size() ? 0 : from.grains.size() - grains.size();
     for (const auto& [id, state] : grains) {
@@ -90,7 +90,7 @@ struct State {
   }
 };
 
-/// What is settled once: the checkpoint, and what was read of it.
+/// Results of settling: the checkpoint, and what was measured in the bed.
 struct Bed {
   std::string file;
   State state;
@@ -98,7 +98,7 @@ struct Bed {
   double density() const { return fraction * Scene::density; }  // [kg/m3] of the bed
 };
 
-/// How the body is at a time, and what it has of its books.
+/// State of the body at a time, and its balances.
 struct Sample {
   double time, depth, speed;  // [s] since it met the bed's level, [m], [m/s] downwards
   double force;               // [N] upwards, mean since the last sample
@@ -118,7 +118,7 @@ struct Outcome {
   std::vector<Sample> samples;
 };
 
-/// Watches a drop: samples, and the books of momentum, spin and energy.
+/// Observes a drop: samples, and the balances of momentum, angular momentum and energy.
 class Watch {
  public:
   template <class Sim>
@@ -133,7 +133,7 @@ class Watch {
   double depth(const Sim& sim) const {  // [m] of the ball's lowest point below the bed's level
     return bed_.level - sim.wall("body").state.centre.z + s_.body() / 2;
   }
-  /// Where a picture of the ball on its way is to go; it is taken as it has lost half its speed.
+  /// File for a picture of the ball in motion; it is taken when the ball has lost half its speed.
   void take_picture(const std::string& folder) { folder_ = folder; }
 
   template <class Sim>
@@ -152,7 +152,7 @@ class Watch {
       folder_.clear();
     }
   }
-  /// What the body has lost since the first look, and where the ledger says that it is.
+  /// Energy lost by the body since the first sample, and its distribution in the ledger.
   template <class Sim>
   void close_books(const Sim& sim) {
     const silt::EnergyBalance end = sim.energy();
@@ -162,8 +162,9 @@ class Watch {
   }
 
  private:
-  /// Momentum, and spin about the vertical through the reference, less what loads and weight have
-  /// given: neither may change. Velocities of the half step, which all loads so far have pushed.
+  /// Momentum, and angular momentum about the vertical through the reference, minus the impulses of
+  /// loads and weight: both must stay constant. Velocities are those of the half step, to which all
+  /// loads so far have contributed.
   template <class Sim>
   void compare_loads(const Sim& sim) {
     const auto& wall = sim.wall("body");

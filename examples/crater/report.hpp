@@ -14,7 +14,7 @@
 
 namespace crater {
 
-/// What is left of a drop: grains with how far they have moved, walls, samples.
+/// Results of a drop: grains with their displacements, walls, samples.
 template <class Sim>
 void write_drop(const std::string& name, const Sim& sim, const State& before, double mass,
                 const Outcome& out) {
@@ -64,8 +64,8 @@ inline void report_drops(example::Summary& summary, const Scene& s, const Bed& b
   }
 }
 
-/// Depths. Other laws of force would give other powers: of the height 1 (a constant force) or 1/2
-/// (one that grows with depth alone), of the density 1 (inertia alone).
+/// Depths. Other force laws would give other exponents: of the height 1 (constant force) or 1/2
+/// (force proportional to depth alone), of the density 1 (inertia alone).
 inline void check_depths(example::Summary& summary, const Scene& s, const Bed& bed, double mu,
                          const silt::LinearFit& fit, std::vector<Outcome> all, bool quick) {
   double sum = 0;
@@ -98,9 +98,10 @@ inline void check_depths(example::Summary& summary, const Scene& s, const Bed& b
                        "to half a grain, up to 10 % of a depth; the factor 0.14 is recalled");
 }
 
-/// Katsuragi and Durian, Phys. Rev. E 87 (2013) 052208, abstract: inertia resists as in a fluid,
-/// which makes d1 grow with the ball's density, friction with its square root, so that k falls with
-/// it. Two densities tell it; a ball of few grains feels single ones too much.
+/// Katsuragi and Durian, Phys. Rev. E 87 (2013) 052208, abstract: inertial drag as in a fluid, with
+/// d1 increasing with the ball's density; friction proportional to its square root, so k decreases
+/// with it. Two densities show this; a ball of the size of a few grains feels single grains too
+/// strongly.
 inline void check_forces(example::Summary& summary, const Scene& s,
                          const std::vector<ForceLaw>& laws, bool quick) {
   for (const ForceLaw& law : laws) {
@@ -127,19 +128,19 @@ inline void check_books(example::Summary& summary, const Scene& s, const Bed& be
   };
   summary.check_at_most("grains_not_as_in_the_checkpoint",
                         most([](const Outcome& o) { return o.changed; }), 0);
-  // Rounding of some 1e4 steps.
+  // Rounding over about 1e4 steps.
   summary.check_at_most("momentum_off_the_loads", most([](const Outcome& o) { return o.momentum; }),
                         1e-11);
   summary.check_at_most("spin_off_the_loads", most([](const Outcome& o) { return o.spin; }), 1e-11);
-  // Second order in the time step; 2e-4 of it were seen.
+  // Second order in the time step; 2e-4 was observed.
   summary.check_at_most("energy_off_the_books",
                         most([](const Outcome& o) { return std::abs(o.booked / o.lost - 1); }),
                         2e-3);
-  // Walls do not touch each other: nothing but grains holds the ball above the floor.
+  // Walls do not touch each other: only grains hold the ball above the floor.
   summary.check_at_least("bed_under_the_ball_over_ball",
                          (bed.level - most([](const Outcome& o) { return o.depth; })) / s.body(),
                          0.3);
-  // It still swings a little on the grains that bear it.
+  // It still oscillates slightly on the grains below it.
   summary.check_at_most("load_at_rest_off_the_weight",
                         most([](const Outcome& o) { return std::abs(o.bears - 1); }), 0.1);
 }

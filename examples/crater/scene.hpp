@@ -48,7 +48,8 @@ struct Scene {
     const double solid = 0.585 * std::numbers::pi * pot() * pot() * bed();
     return static_cast<std::size_t>(solid / mean_volume());
   }
-  /// Grains lose nearly all in an impact while they settle; after that they are those of glass.
+  /// While settling, grains lose nearly all energy at each impact; afterwards they have the
+  /// properties of glass.
   Law::Material glass(bool settles) const {
     return {.youngs_modulus = 1e7,
             .poisson_ratio = 0.25,
@@ -65,14 +66,14 @@ struct Scene {
   }
 };
 
-/// What is dropped, from where, and the level [m] that it falls to.
+/// The dropped ball, its height, and the level [m] onto which it falls.
 struct Drop {
   double density, height, level;                              // [kg/m3], [m] of free fall, [m]
   double speed() const { return std::sqrt(2 * g * height); }  // [m/s] at the level
 };
 
-/// The pot with its bed; of a drop, with the body too, just over the bed with the speed of its
-/// fall; other grains than those that settled, unless it `settles`.
+/// The pot with its bed; in a drop also the body, just above the bed with its impact speed, and
+/// other grain properties than in settling, unless it `settles`.
 inline auto make_simulation(const Scene& s, bool settles, const std::optional<Drop>& drop = {}) {
   silt::Contacts<Law, silt::SeveralMaterials> contacts{s.glass(settles)};
   if (drop) {

@@ -1,7 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A dam breaks: a column of water, a wide and 2 a high, stands at a wall, is let go and runs along
-// the floor. Its front and its height are set beside measured ones, and its energy is followed.
+// Dam break: a column of water with the width a and the height 2 a stands at a wall, is released
+// and runs along the floor. Its front and height are compared with measurements, and its energy is
+// followed.
 //
 // The set-up is scene.hpp; measure.hpp has what is measured here, measured.hpp what others
 // measured, report.hpp the comparison.

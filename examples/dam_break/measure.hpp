@@ -13,9 +13,9 @@
 
 namespace dam_break {
 
-/// The liquid now: front over a, that of liquid which is 0.2 a deep, height at the wall over 2 a,
-/// energies over the potential one at the start, largest speed over that of sound, largest change
-/// of density.
+/// The liquid at present: front over a, front of the liquid 0.2 a deep, height at the wall over 2
+/// a, energies over the initial potential energy, largest speed over the speed of sound, largest
+/// change of density.
 struct Look {
   double front = 0, deep = 0, height = 0, kinetic = 0, potential = 0, elastic = 0, speed = 0,
          density = 0;

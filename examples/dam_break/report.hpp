@@ -38,11 +38,12 @@ inline void compare_curves(example::Summary& summary, const Scene& s, const Reco
   const Curve mm = martin_moyce_front(), ko = koshizuka_oka_front(),
               measured = martin_moyce_height();
   for (const Curve& c : {mm, ko, measured}) write_curve(out, c);
-  // Where both were measured at one T, the fronts of the two are up to 9 % apart: the second one's
-  // falls behind from T = 2.3 on.
+  // Where both experiments have values at one T, their fronts differ by up to 9 %: the second is
+  // slower from T = 2.3 on.
   compare_front(summary, front, mm, "martin_moyce", s.sticking ? 0.12 : 0.03);
   compare_front(summary, front, ko, "koshizuka_oka", 0.08);
-  // A thin wedge runs ahead, which friction holds back in the experiment (docs/sph.md).
+  // In the simulation a thin wedge runs ahead; in the experiment friction holds it back
+  // (docs/sph.md).
   const Curve deep = record.curve(&Look::deep);
   const double off_mm = distance(deep, mm, 0).share, off_ko = distance(deep, ko, 0).share;
   summary.result("deep_front_off_martin_moyce", off_mm);
@@ -53,8 +54,8 @@ inline void compare_curves(example::Summary& summary, const Scene& s, const Reco
   const double off = distance(height, measured, 0).plain;
   std::printf("Height: %.1f %% of 2 a rms off.\n", 100 * off);
   summary.result("height_off_martin_moyce_over_2_a", off);
-  // Half a spacing is a quarter of s/a; 1 % was seen of fine ones. A wall that it sticks to holds
-  // it up.
+  // Half a spacing is a quarter of s/a; 1 % was observed with fine spacings. A no-slip wall slows
+  // the liquid.
   if (!s.sticking)
     summary.check_at_most("height_off_martin_moyce", off, 0.01 + 0.25 * s.across() / Scene::a);
 }
@@ -75,16 +76,16 @@ void report_run(example::Summary& summary, const Scene& s, const Water& water,
   summary.check_at_most("front_speed_over_ritters", fastest / 2, 1);
   const Look& end = record.looks.back();
   summary.result("energy_at_the_end", end.energy());
-  // The layer at walls that it sticks to takes much of its energy.
+  // The boundary layer at no-slip walls dissipates much of the energy.
   if (s.sticking) {
     summary.result("energy_over_that_at_the_start", end.energy() / record.looks.front().energy());
   } else {
-    // Seen: 1.3 % of a/20, 0.5 % of a/80 in 2D, 4.6 % of a/10 in 3D.
+    // Observed: 1.3 % for a/20, 0.5 % for a/80 in 2D, 4.6 % for a/10 in 3D.
     summary.check_within("energy_over_that_at_the_start",
                          end.energy() / record.looks.front().energy(), 1,
                          0.003 + 0.8 * s.across() / Scene::a * std::max(1.0, s.alpha / 0.02),
                          "artificial viscosity, in proportion to alpha h");
-    // Seen: 2e-7 at the most; 2.4e-3 where liquid that parts from a wall loses density.
+    // Observed: 2e-7 at most; 2.4e-3 where liquid that separates from a wall loses density.
     summary.check_at_most("energy_that_came_from_nothing", grown, 1e-3);
   }
   summary.check_at_most("largest_change_of_density", record.most(&Look::density), 0.05);

@@ -31,13 +31,13 @@ struct Scene {
   double unit() const { return std::sqrt(a / (2 * g)); }    // [s] of T
   double fall() const { return std::sqrt(2 * g * 2 * a); }  // [m/s] from the column's height
   double across() const { return 1e-3 * spacing; }          // [m]
-  // [m] after which a channel in 3D repeats: about a, a whole number of spacings.
+  // [m] period of a channel in 3D: about a, a whole number of spacings.
   double breadth() const { return three_dimensional ? std::round(a / across()) * across() : 0; }
 };
 
 inline auto make_water(const Scene& s) {
   const double a = Scene::a, length = Scene::length * a, breadth = s.breadth();
-  // The region ends behind the walls, which may let a particle through by a part of its spacing.
+  // The region ends behind the walls: a particle may penetrate them by a fraction of its spacing.
   const double more = 3 * s.across();
   silt::Sph water{silt::Liquid{.density = 1000, .sound_speed = s.sound * s.fall()},
                   {.spacing = s.across(),

@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Drop test: grains of three sizes are thrown against a plate of steel, one by one, at a series of
-// speeds. The share that breaks is set beside the selection function, the sizes of the fragments
-// beside the breakage function. Then the same grains are thrown again and again at speeds that most
-// of them survive at first: fatigue.
+// Drop test: single grains of three sizes hit a steel plate at a series of speeds. The fraction
+// that breaks is compared with the selection function, the fragment sizes with the breakage
+// function. Then the same grains hit the plate repeatedly at speeds that most of them survive at
+// first: fatigue.
 //
 // The set-up is scene.hpp; measure.hpp has what is measured, report.hpp tables and checks.
 
@@ -31,7 +31,7 @@ std::vector<Throw> throw_all(const Scene& s, const example::Options& options, Bo
       const double v = s.median_speed(d) * s.slowest * std::pow(s.fastest / s.slowest, along);
       const bool first = d == s.diameters.front(), middle = first && k == s.speeds / 2,
                  last = first && k + 1 == s.speeds;
-      // Each has a seed of its own: the same grains at all speeds would not be independent.
+      // Each throw has its own seed: the same grains at all speeds would not be independent.
       all.push_back(throw_once(s, d, v, 1000 * s.seed + all.size(), books,
                                middle ? options.out + "/after.vtp" : "", last ? &sizes : nullptr,
                                options.threads));

@@ -15,8 +15,8 @@
 
 namespace drop_test {
 
-/// The number of the impact that breaks a grain of this strength, at most `most` + 1, if each has
-/// the same load.
+/// Number of the impact that breaks a grain of this strength, at most `most` + 1, under the same
+/// load at each impact.
 inline std::size_t breaking_impact(const silt::PowerFatigue& fatigue, double strength, double load,
                                    std::size_t most) {
   std::size_t n = 1;
@@ -24,8 +24,8 @@ inline std::size_t breaking_impact(const silt::PowerFatigue& fatigue, double str
   return n;
 }
 
-/// Share of all grains [-] that are broken after 1, 2, ... `most` impacts: those weaker than the
-/// strength from which on one more impact is needed, which bisection finds.
+/// Fraction of all grains [-] that are broken after 1, 2, ... `most` impacts: those weaker than the
+/// strength above which one more impact is needed. Bisection finds that strength.
 inline std::vector<double> broken_after(const Scene& s, double diameter, double speed,
                                         std::size_t most) {
   const double load = s.load(diameter, speed);
@@ -41,11 +41,11 @@ inline std::vector<double> broken_after(const Scene& s, double diameter, double 
   return shares;
 }
 
-/// What all runs must keep: the worst of each.
+/// Conservation errors: the worst of all runs.
 struct Books {
   double mass = 0, momentum = 0, energy = 0;  // [-] unexplained, over all that there was
 
-  /// `start`: momentum along z of all grains; `dust`: that which dust took along [kg m/s].
+  /// `start`: momentum along z of all grains; `dust`: momentum carried away by dust [kg m/s].
   template <class Sim>
   void add(const Sim& sim, double start, double dust) {
     const auto balance = sim.mass_balance();
@@ -54,7 +54,7 @@ struct Books {
     double held = dust;
     for (std::size_t k = 0; k < sim.rows(); ++k)
       if (sim.is_present(k)) held += sim.mass(k) * sim.velocity(k).z;
-    // The velocities are those of now: the last force has acted for half of its step.
+    // The velocities are those of the present: the last force has acted for half of its step.
     const double taken = plate.impulse.z - 0.5 * sim.step_length() * plate.force.z;
     momentum = std::max(momentum, std::abs((held + taken) / start - 1));
     const auto e = sim.energy();
@@ -78,15 +78,15 @@ struct Throw {
   double off() const { return (share() - expected) / deviation(); }
 };
 
-/// Share of the mass finer than each size, of all fragments and their dust: seen, and by the
+/// Mass fraction finer than each size, of all fragments and their dust: observed, and by the
 /// breakage function of each grain that broke.
 struct Sizes {
   std::vector<double> x;                    // [m]
   std::vector<double> seen, wanted, error;  // [-]; standard error of `seen`
 };
 
-/// Sizes to look at: down to the dust limit four for each factor of 2, below it the edges of the
-/// table of dust.
+/// Sizes at which they are compared: down to the dust limit four per factor of 2, below it the
+/// edges of the dust table.
 inline std::vector<double> sizes_to_see(double diameter) {
   std::vector<double> x;
   const double least = Scene::dust * diameter;
@@ -121,8 +121,8 @@ Sizes see_sizes(const Scene& s, const Sim& sim, double diameter,
   return out;
 }
 
-/// Throws the grains once and looks at them when they have left the plate; fragments are still on
-/// their way and do not break further.
+/// One throw. Evaluated when the grains have left the plate; the fragments are still in flight and
+/// do not break further.
 inline Throw throw_once(const Scene& s, double diameter, double speed, std::uint64_t seed,
                         Books& books, const std::string& picture, Sizes* sizes, int threads) {
   Throw out{diameter, speed, s.grains, s.selection(diameter, speed)};
@@ -146,7 +146,7 @@ inline Throw throw_once(const Scene& s, double diameter, double speed, std::uint
   return out;
 }
 
-/// The same grains thrown again and again at one speed.
+/// Repeated throws of the same grains at one speed.
 struct Again {
   double speed;  // [m/s]
   std::size_t grains;
@@ -175,8 +175,8 @@ struct Again {
   }
 };
 
-/// After each impact the fragments are taken away and the whole grains thrown back, from where they
-/// are: each round has them as far from the plate as the one before.
+/// After each impact the fragments are removed and the unbroken grains thrown back from their
+/// positions: each impact starts as far from the plate as the one before.
 inline Again throw_again(const Scene& s, double diameter, double speed, std::uint64_t seed,
                          Books& books, int threads) {
   Again out{speed, s.grains, {}, broken_after(s, diameter, speed, s.again)};

@@ -13,9 +13,9 @@
 
 namespace drop_test {
 
-/// The value that chi-square of n degrees of freedom exceeds with the probability that a normal
-/// deviate exceeds z. Source: E. B. Wilson, M. M. Hilferty, PNAS 17 (1931) 684; error below 1 % for
-/// n of 10 and more.
+/// Quantile of chi-square with n degrees of freedom at the probability with which a normal deviate
+/// exceeds z. Source: E. B. Wilson, M. M. Hilferty, PNAS 17 (1931) 684; error below 1 % for n of 10
+/// and more.
 inline double chi_square(double n, double z) {
   const double w = 2 / (9 * n);
   return n * std::pow(std::max(1 - w + z * std::sqrt(w), 0.0), 3);
@@ -48,8 +48,8 @@ inline void write_fatigue(const std::string& file, const std::vector<Again>& all
                      3 * a.share_deviation(k)});
 }
 
-/// A normal deviate is beyond this, on one side, with a probability of 1e-4: a seed in ten thousand
-/// would fail each of these checks though nothing is wrong.
+/// A normal deviate exceeds this, on one side, with a probability of 1e-4: each of these checks
+/// fails by chance for one seed in ten thousand.
 constexpr double rare = 3.719;
 
 inline void check_shares(example::Summary& summary, const std::vector<Throw>& all) {
@@ -73,8 +73,8 @@ inline void check_shares(example::Summary& summary, const std::vector<Throw>& al
                        "probability of 2e-4");
 }
 
-/// Without fatigue none breaks after the first impact; with one that acts in each step of a contact
-/// nearly all break at the second.
+/// Fails for missing fatigue (no grain would break after the first impact), and for fatigue that
+/// acts at each step of a contact (nearly all would break at the second).
 inline void check_fatigue(example::Summary& summary, const std::vector<Again>& all) {
   for (const Again& a : all) {
     const std::string at = silt::text("at ", std::round(100 * a.speed) / 100, " m/s: ");
@@ -89,7 +89,7 @@ inline void check_fatigue(example::Summary& summary, const std::vector<Again>& a
   }
 }
 
-/// What the drawing of fragments may be off by: 0.16 % of the mass (docs/breakage.md).
+/// Allowed error of the random fragment sizes: 0.16 % of the mass (docs/breakage.md).
 inline void check_sizes(example::Summary& summary, const Sizes& sizes) {
   double worst = 0, most = 0;
   for (std::size_t k = 0; k < sizes.x.size(); ++k) {
@@ -104,8 +104,8 @@ inline void check_sizes(example::Summary& summary, const Sizes& sizes) {
 inline void check_books(example::Summary& summary, const Books& books) {
   summary.check_at_most("mass_unexplained", books.mass, 1e-12);
   summary.check_at_most("momentum_unexplained", books.momentum, 1e-11);
-  // Second order in the time step: forces of small fragments change much within one. 5e-5 were
-  // seen.
+  // Second order in the time step: forces of small fragments change much within one step. Observed:
+  // 5e-5.
   summary.check_at_most("energy_unexplained", books.energy, 1e-3);
 }
 

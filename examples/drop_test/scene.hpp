@@ -22,7 +22,7 @@ namespace drop_test {
 using silt::Vec3d;
 using Law = silt::HertzMindlin;
 
-/// Grains of the synthetic material S and a plate of steel, both with their true moduli.
+/// Grains of the synthetic material S and a steel plate, both with their real moduli.
 struct Scene {
   std::vector<double> diameters{2e-3, 0.5e-3, 0.1e-3};  // [m]
   std::size_t grains = 4000;                            // of each size at each speed
@@ -59,10 +59,10 @@ struct Scene {
   }
   silt::PowerFatigue fatigue() const { return {.kappa = 0.1, .psi = 3}; }
 
-  /// An impact on the plate, by Hertz' formulas alone.
+  /// An impact on the plate, by Hertz' formulas only.
   silt::Impact impact(double diameter, double speed) const {
     const double m = mass(diameter), R = diameter / 2;
-    // By the dashpot, for contacts that the law ends at zero force: r^(3/2), r = e^(2/5).
+    // From the dashpot, for contacts that the law ends at zero force: r^(3/2), r = e^(2/5).
     const double lowered = std::pow(restitution, 0.6);
     const double kH = 4.0 / 3.0 * modulus() * std::sqrt(R);  // [N/m^1.5]
     return {.diameter = diameter,
@@ -74,7 +74,7 @@ struct Scene {
             .contact_force = NAN,
             .at_wall = true};
   }
-  /// [s] of contact with the plate.
+  /// [s] contact time with the plate.
   double touching(double diameter, double speed) const {
     return silt::hertz_contact_time(modulus(), diameter / 2, mass(diameter), speed);
   }
@@ -84,14 +84,15 @@ struct Scene {
   double selection(double diameter, double speed) const {  // [-]
     return silt::selection(strength(), equivalence(), impact(diameter, speed));
   }
-  /// [m/s] at which half of all grains break: the load grows as the speed to the power 6/5.
+  /// [m/s] at which half of all grains break: the load is proportional to the speed to the power
+  /// 6/5.
   double median_speed(double diameter) const {
     return std::pow(strength().median_at(diameter) / load(diameter, 1), 1 / 1.2);
   }
 };
 
-/// Grains side by side over the plate, far apart, each `gap` [m] above it and on its way down;
-/// their ids are 0, 1, ... No gravity, so that all meet it at this speed.
+/// Grains side by side above the plate, far apart, each at the height `gap` [m] and moving down;
+/// their ids are 0, 1, ... No gravity: all hit the plate at the same speed.
 inline auto make_simulation(const Scene& s, double diameter, double speed, double gap,
                             std::uint64_t seed) {
   silt::Contacts<Law, silt::SeveralMaterials> contacts{{s.salt(), s.steel()}};
@@ -114,7 +115,7 @@ inline auto make_simulation(const Scene& s, double diameter, double speed, doubl
           {.dust_below = Scene::dust * diameter, .most_fragments = Scene::most, .seed = seed}},
       silt::EnergyLedger{}};
   sim.gravity = {0, 0, 0};
-  // Small fragments between the plate and a large one are pressed deeper than alone.
+  // Small fragments between the plate and a large one have larger overlaps than alone.
   sim.guard.max_overlap = 0.6;
   sim.time_step = s.touching(Scene::dust * diameter, speed) / 40;
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, s.steel(), {.name = "plate"});

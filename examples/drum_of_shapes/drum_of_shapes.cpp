@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A rotating drum with spheres, super-ellipsoids and polyhedra of equal volume together, after
-// figure 22 of the review by X. Ma et al. on CFD-DEM of non-spherical particles, which gives
-// neither sizes nor speed: what is taken here is stated in Scene. With --shapes all are of one
-// kind, so that the dynamic angles of repose can be compared.
+// A rotating drum with spheres, superellipsoids and polyhedra of equal volume together, after
+// figure 22 of the review by X. Ma et al. on CFD-DEM of non-spherical particles. The review gives
+// neither sizes nor speed; those used here are stated in Scene. With --shapes all are of one kind,
+// to compare the dynamic angles of repose.
 //
 // The set-up is scene.hpp; measure.hpp has what is measured, report.hpp pictures and checks.
 

@@ -64,21 +64,21 @@ void add_results(example::Summary& summary, const Scene& s, const Sim& sim, cons
 }
 
 inline void check_run(example::Summary& summary, const Scene& s, const Measured& m, bool quick) {
-  // Angular momentum, whatever the shapes: over a turn the drum bears the moment of the grains'
-  // weight about its axis. A torque that leaves out friction or resistance to rolling, or is about
-  // another point, is off by the whole.
+  // Angular momentum, for all shapes: averaged over a turn, the drum's torque balances the moment
+  // of the grains' weight about its axis. Fails for a torque without friction or rolling
+  // resistance, or about another point.
   summary.check_within("torque_over_lever_of_the_weight", m.torque / m.lever, 1, 0.1,
                        "200 samples of a turn: 2 % of noise in their mean; 60 grains in their "
                        "first turn were 5 % off");
-  // What the drum's work goes into. A spectrum that misses contacts, or counts them twice, is off
-  // by what it misses.
+  // Energy: the drum's work equals the dissipation. Fails for a spectrum that misses contacts or
+  // counts them twice.
   const bool first_turn = s.turns < 2;
   summary.check_within("lost_in_contacts_over_power", m.impacts.lost() / s.turn() / m.power(s), 1,
                        first_turn ? 0.3 : 0.1,
                        first_turn ? "the first turn raises the bed, too: 14 % with 60 grains"
                                   : "contacts that last through the turn are not counted: 900 "
                                     "grains were 1.2 % off");
-  // Grains that slide in a drum without friction lie level.
+  // Grains in a drum without friction would have a level surface.
   summary.check_at_least("dynamic_angle_of_repose_deg", m.bed.angle(), 15);
   if (!quick && s.particles == Scene{}.particles && s.rpm == Scene{}.rpm &&
       s.shapes == Scene{}.shapes)

@@ -54,7 +54,7 @@ inline silt::Polyhedron cube() {
   return silt::Polyhedron::from_points(corners);
 }
 
-/// Spheres, lens-shaped super-ellipsoids with a rim, cubes.
+/// Spheres, lens-shaped superellipsoids with a rim, cubes.
 inline std::vector<Grains> forms() {
   return {silt::Sphere{}, silt::SuperEllipsoid{.a = 1, .b = 1, .c = 0.5, .s1 = 4, .s2 = 2}, cube()};
 }

@@ -1,17 +1,21 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A fluidised bed: grains of 1 mm on a floor that gas passes, between two walls, in a thin slice
-// that is periodic in its depth. The grains are first settled with little friction, as tapping
-// packs them. Then the gas is stepped through the minimum fluidisation velocity, up and down, which
-// gives the pressure drop over the velocity: the dense bed, which the walls hold back, bears more
-// than its weight before it breaks up; as the gas falls the bed that is left is looser. Last it is
-// blown at twice that velocity, until bubbles rise. The minimum fluidisation velocity is measured
-// where the pressure drop of the bed at rest, as the gas falls, would reach the bed's weight, and
-// compared with Ergun's equation at the bed's voidage. What is between them the law has by layers:
-// summed over the bed's layers, in the voidage and the flow that cells and kernel make of them.
-// Ellipsoids have the drag and the lift of how they lie in the flow, and are compared with that law
-// for the grains as they lie in the bed. --drag takes other laws for spheres (drag.hpp). With --hot
-// the gas of the bubbling bed is hot and the grains are cold (hot_bed.cpp).
+// A fluidised bed: grains of 1 mm on a floor permeable to gas, between two walls, in a thin slice
+// that is periodic in depth. The grains first settle with little friction, which gives a dense
+// packing, as tapping does. Then the gas velocity is stepped up and down through minimum
+// fluidisation, which gives the pressure drop over the velocity. The dense bed is held by the walls
+// and carries more than its weight before it breaks up; with decreasing velocity a looser bed
+// remains. Finally the gas flows at 1.5 times the minimum fluidisation velocity (--bubbling), until
+// bubbles rise.
+//
+// The minimum fluidisation velocity is the one at which the pressure drop of the bed at rest,
+// extrapolated from decreasing velocities, equals the bed's weight. It is compared with Ergun's
+// equation at the bed's void fraction. The difference is explained by layers: the law summed over
+// the bed's layers, with the void fraction and velocity that cells and kernel produce.
+//
+// Ellipsoids have drag and lift by their orientation, and are compared with that law for the
+// orientations in the bed. --drag selects other laws for spheres (drag.hpp). With --hot the gas of
+// the bubbling bed is hot and the grains are cold (hot_bed.cpp).
 //
 // The set-up is scene.hpp. measure.hpp has what is measured, law_by_layers.hpp what the drag law
 // says of it, report.hpp tables, checks and pictures.
@@ -37,7 +41,7 @@ template <class Sim>
 Bubbling bubble(const Scene& s, Sim& sim, Bed<Sim>& bed, const Fluidisation& found,
                 const std::string& out, Pictures& pictures) {
   auto series = silt::vtk_series(out + "/vtk", silt::every(0.02));
-  // What gauges in a side wall would read as bubbles pass, and the mean of the voidage.
+  // Readings of pressure gauges in a side wall as bubbles pass, and the mean void fraction.
   const double floor = 0.5 * s.cell;
   auto gauges = silt::pressure_taps(out + "/taps.csv",
                                     {{"floor", {0, 0, floor}, 2},
@@ -79,7 +83,7 @@ int simulate(const Scene& s, const example::Options& options) {
   const double dense = bed.voidage(bed.height());
 
   std::printf("gas up and down\n");
-  // The dense bed breaks up somewhat later, as the walls hold it back.
+  // The dense bed breaks up somewhat later, as the walls hold it.
   const Curve curve = step_gas(s, bed, 1.1 * s.velocity_by(law_of(sim, s), dense));
   const auto found = find_fluidisation<Shape>(s, sim, bed, curve);
   write_curve(options.out + "/pressure_drop.csv", s, curve, found);
@@ -138,14 +142,14 @@ int main(int argc, char** argv) {
       scene.relaxing = 0.015, scene.averaging = 0.01, scene.plateau = 0.05;
       scene.settling = 0.05, scene.most_off = 0.03;
     } else {
-      // As high a bed of any number, but for few.
+      // The same bed height for any number of grains, except for few.
       const double deep = 4 * static_cast<double>(scene.particles) / 5000;
       scene.deep = std::max(4, static_cast<int>(std::round(deep)));
     }
     if (hot) return fluidised::blow_hot(scene, command.options);
-    // Laws that fall faster with the voidage.
+    // Laws that decrease faster with the void fraction.
     if (scene.shape != "sphere" || scene.drag == "syamlal") scene.most_off *= 1.5;
-    // Beds of other laws are packed otherwise; with --quick layers lack up to 1.9 % of evenness.
+    // With other laws the bed is packed differently; with --quick layers vary by up to 1.9 %.
     if (scene.drag != "gidaspow") scene.by_layers *= 1.5;
     return scene.shape == "sphere"
                ? fluidised::simulate<silt::Sphere>(scene, command.options)

@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Hot gas through a cold bubbling bed: how fast gas and grains get warm, and where the heat goes.
-// The gas takes the grains' temperature within a grain or so. The grains get no more than all heat
-// that comes in, as long as the gas leaves the bed cold; and, where no bubble carries hot gas
-// through, no less than those of a bed that is mixed all the time, which gas leaves at their
+// Hot gas through a cold bubbling bed: how fast gas and grains heat up, and where the heat goes.
+// The gas reaches the grains' temperature within about a grain diameter. Upper bound for the
+// grains: all the heat that enters, as long as the gas leaves the bed cold. Lower bound, where no
+// bubble carries hot gas through: a perfectly mixed bed, which gas leaves at the grains'
 // temperature.
 
 #include <cmath>
@@ -18,7 +18,7 @@
 namespace fluidised {
 namespace {
 
-/// The gas's temperature, mean over the depth, as a table.
+/// The gas temperature, averaged over the depth, as a table.
 void write_gas(const std::string& path, const silt::FlowSolver& flow, const Scene& s) {
   silt::CsvTable table(path, {"x [m]", "z [m]", "gas temperature [K]"});
   for (int k = 0; k < s.high; ++k)
@@ -33,7 +33,7 @@ struct Pictures {
   std::vector<std::string> grains, gas, titles;
 };
 
-/// Blows hot gas for s.blowing; leaves table, VTK series and the pictures' files in `out`.
+/// Runs for s.blowing; writes a table, a VTK series and the pictures' files to `out`.
 template <class Sim>
 Pictures blow(const Scene& s, Sim& sim, HotBed<Sim>& bed, const std::string& out) {
   auto table = silt::table(out + "/temperatures.csv", HotBed<Sim>::columns(),
@@ -79,15 +79,15 @@ void judge(example::Summary& summary, const Scene& s, const Sim& sim, const Heat
   summary.result("gas_at_the_outlet_k", b.gas.out);
   summary.result("grains_if_mixed_k", b.mixed);
   summary.result("grains_if_they_keep_all_heat_k", b.all_kept);
-  // Sums of heat above 0 K, a hundred times what is stored, in thousands of steps.
+  // Rounding: sums of heat above 0 K, a hundred times the stored heat, over thousands of steps.
   summary.check_at_most("heat_balance_over_heat_in_grains",
                         std::abs(b.in + b.anew - b.in_gas - b.in_grains) / b.in_grains, 1e-10);
   summary.check_at_most("heat_from_gas_less_heat_in_grains_over_it",
                         std::abs(b.from_grains + b.in_grains) / b.in_grains, 1e-10);
-  // What the solver's pressure leaves of the gas's volume, and jumps of the voidage.
+  // Residual of the pressure solver in the gas volume, and jumps of the void fraction.
   summary.check_at_most("heat_of_gas_counted_anew_over_heat_in_grains",
                         std::abs(b.anew) / b.in_grains, 0.01);
-  // The second law; 1e-9: rounding.
+  // Second law; 1e-9: rounding.
   summary.check_at_most("hottest_k", b.hottest, s.hot_gas * (1 + 1e-9));
   summary.check_at_least("coldest_k", b.coldest, s.cold * (1 - 1e-9));
   summary.check_within("heat_in_while_the_outlet_is_cold_over_that_of_the_gas", b.while_cold, 1,
@@ -102,7 +102,7 @@ void judge(example::Summary& summary, const Scene& s, const Sim& sim, const Heat
       b.time, b.grains.mean, b.mixed, b.all_kept, b.gas.mean, b.gas.out, b.in, b.in_grains);
 }
 
-/// The pictures of a run whose tables are there; whether they could be drawn.
+/// Draws a run from its tables; false if that failed.
 bool draw_hot(const Scene& s, const std::string& out, const Pictures& pictures, double U) {
   const std::string range = silt::text(s.cold, ",", s.hot_gas);
   std::vector<std::string> grains{"draw"}, gas{"cells"};

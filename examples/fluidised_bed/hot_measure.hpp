@@ -14,7 +14,7 @@
 
 namespace fluidised {
 
-/// Of the grains [K], and the heat in them [J] beyond that of the cold ones.
+/// Temperature of the grains [K], and their heat [J] above that of cold ones.
 struct GrainHeat {
   double mean = 0, least = std::numeric_limits<double>::infinity(), most = 0, stored = 0;
 };
@@ -30,7 +30,7 @@ GrainHeat heat_of_grains(const Sim& sim, const Scene& s) {
   return h;
 }
 
-/// Of the gas [K]: mean over all of it, and in the last cells before the outlet.
+/// Temperature of the gas [K]: mean over all of it, and in the last cells before the outlet.
 struct GasHeat {
   double mean = 0, out = 0;
 };
@@ -60,8 +60,8 @@ struct HeatBalance {
   double while_cold = 0;  // [-] heat in over that of the gas, while the outlet is cold
 };
 
-/// Brings the gas to the superficial velocity U [m/s] in 10 ms, and lets bubbles come for the rest
-/// of `span` [s].
+/// Brings the gas to the superficial velocity U [m/s] in 10 ms; bubbles form during the rest of
+/// `span` [s].
 template <class Sim>
 void begin_to_bubble(Sim& sim, double U, double span) {
   for (int k = 1; k <= 10; ++k) {
@@ -71,7 +71,7 @@ void begin_to_bubble(Sim& sim, double U, double span) {
   sim.run(span - 0.01);
 }
 
-/// A bed through which hot gas blows from now on; what it got is counted from here.
+/// A bed with hot gas from now on; its heat input is counted from here.
 template <class Sim>
 class HotBed {
  public:
@@ -137,8 +137,7 @@ class HotBed {
  private:
   silt::FlowSolver& flow() const { return sim_.fluid().flow(); }
   double time() const { return sim_.fluid().time() - begun_; }  // [s] with hot gas
-  /// [K] of grains that are one body, which takes all heat that the gas brings above its
-  /// temperature.
+  /// [K] of a single body that takes all heat that the gas brings above the body's temperature.
   double mixed() const {
     return s_.hot_gas - (s_.hot_gas - s_.cold) * std::exp(-time() * brings_ / holds_);
   }

@@ -16,7 +16,7 @@
 
 namespace fluidised {
 
-/// The mean drag of bodies that lie as some hundred of a bed do, in a flow upwards.
+/// Mean drag of bodies with the orientations of about a hundred of a bed, in an upward flow.
 struct AsTheyLie {
   std::vector<silt::NonSpherical<silt::HoelzerSommerfeld>> grains;
 
@@ -43,7 +43,7 @@ auto law_of(const Sim& sim, const Scene& s) {
   }
 }
 
-/// How far silt::Kernel reaches up from a grain [m], mean over the grains as they lie.
+/// Upward reach of silt::Kernel from a grain [m], averaged over the grains.
 template <class Sim>
 double reach_of(const Sim& sim, const Scene& s) {
   if constexpr (Sim::of_bodies) {
@@ -63,8 +63,8 @@ double reach_of(const Sim& sim, const Scene& s) {
 }
 
 /// Pressure drop [Pa] of a bed at rest by the law, in one dimension: grains at their heights, each
-/// in the voidage and the flow that the kernel and the cells make of all. What layers lack of
-/// evenness, also at walls, it does not know.
+/// with the void fraction and velocity that kernel and cells produce. Variations within a layer,
+/// also at walls, are not included.
 ///   R: of the kernel [m]
 template <class Shape, class DragLaw>
 double drop_by_layers(const DragLaw& law, const Scene& s, double R, const Profile& centres,
@@ -122,7 +122,7 @@ double drop_by_layers(const DragLaw& law, const Scene& s, double R, const Profil
   return drop;
 }
 
-/// Where p = a U + b U^2 through points (least squares) reaches `level`.
+/// Velocity U at which p = a U + b U^2, fitted to points (least squares), equals `level`.
 inline double crossing(const std::vector<std::array<double, 2>>& points, double level) {
   Eigen::MatrixXd u(static_cast<Eigen::Index>(points.size()), 2);
   Eigen::VectorXd p(u.rows());
@@ -151,7 +151,8 @@ template <class Shape, class Sim>
 Fluidisation find_fluidisation(const Scene& s, const Sim& sim, const Bed<Sim>& bed,
                                const Curve& curve) {
   Fluidisation f;
-  // The bed still compacts as the gas falls.
+  // At the highest velocity that leaves the bed at rest: the bed still compacts as the velocity
+  // falls.
   const Means& loose = curve.falling[curve.packed - 1];
   f.height = loose.height, f.voidage = bed.voidage(f.height);
   const auto law = law_of(sim, s);
@@ -173,8 +174,7 @@ Fluidisation find_fluidisation(const Scene& s, const Sim& sim, const Bed<Sim>& b
     if (layered > 1.1 * s.weight()) drop = layered = std::nan("");
     f.drops.push_back({drop, layered});
   }
-  // The law as measured: the bed has another voidage at each velocity, and there is no one of them
-  // all.
+  // As measured: the bed's void fraction differs between velocities; there is no single value.
   f.measured = crossing(seen, s.weight());
   f.by_voidage = crossing(by_voidage, s.weight());
   f.by_layers = crossing(by_layers, s.weight());

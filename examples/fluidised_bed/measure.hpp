@@ -19,7 +19,7 @@ namespace fluidised {
 
 constexpr int per_diameter = 10;  // bins of a Profile
 
-/// Grains' volume over that of the bins, by the heights of their centres [-].
+/// Volume fraction of grains in bins, by the heights of their centres [-].
 using Profile = std::vector<double>;
 
 /// Over a time.
@@ -32,9 +32,10 @@ struct Means {
   Profile centres{};                               // at the end
 
   double borne() const { return pressure_drop + floor + walls; }
-  /// What is borne, less the weight and what the bed gains, over the weight [-].
+  /// Force balance error: supporting force minus weight and momentum gain of the bed, over the
+  /// weight [-].
   double unbalanced(double weight) const { return (borne() - momentum) / weight - 1; }
-  /// As well over the time of `next`, which follows.
+  /// Extends the means by the time of `next`, which follows.
   void go_on(const Means& next) {
     const double both = time + next.time;
     const auto join = [&](double& mean, double other) {
@@ -52,8 +53,8 @@ class Bed {
  public:
   Bed(const Scene& s, Sim& sim) : s_(s), sim_(sim) {}
 
-  /// Brings the gas to the superficial velocity U [m/s] in 10 ms, then waits for the rest of
-  /// `span` [s].
+  /// Brings the gas to the superficial velocity U [m/s] in 10 ms, then waits for the rest of `span`
+  /// [s].
   template <class... Observers>
   void blow(double U, double span, Observers&&... observers) {
     constexpr double ramp = 0.01;  // [s]
@@ -88,8 +89,8 @@ class Bed {
     return sum;
   }
 
-  /// Of the gas between the floor and its outlet [Pa]. From the first cells' centres down to the
-  /// floor its slope is what goes with the drag there.
+  /// Of the gas between the floor and its outlet [Pa]. Between the floor and the first cells'
+  /// centres the gradient is that of the drag there.
   double pressure_drop() {
     auto& flow = sim_.fluid().flow();
     const bool bears = flow.responds() && flow.response().bears;
@@ -103,8 +104,8 @@ class Bed {
       }
     return sum / (s_.across * s_.deep);
   }
-  /// Of the bed's surface above the floor [m]: where layers of cells hold half of the mean solids
-  /// (those from the floor to twice the height of the centre of mass).
+  /// Height of the bed's surface above the floor [m]: where cell layers contain half of the mean
+  /// solid fraction (mean from the floor to twice the height of the centre of mass).
   double height() const {
     double twice = 0;  // [m]
     for (std::size_t k = 0; k < sim_.rows(); ++k) twice += 2 * sim_.position(k).z;
@@ -147,7 +148,7 @@ class Bed {
   }
 
  private:
-  /// [N s] given upwards to floor and walls, also by short impacts.
+  /// [N s] upward impulse on floor and walls, including short impacts.
   std::array<double, floor_and_walls> impulses() const {
     std::array<double, floor_and_walls> given{};
     for (std::size_t w = 0; w < given.size(); ++w) given[w] = sim_.wall(w).impulse.z;

@@ -32,9 +32,10 @@ inline void write_curve(const std::string& path, const Scene& s, const Curve& c,
   }
 }
 
-/// Of a mean over time, by height: pressure above that of the outlet, and the weight of the grains
-/// above over the area, which the gas bears but for walls and floor. Leaves a table at `path`, and
-/// returns the pressure less that weight in the lowest layer of cells [Pa].
+/// Time average by height: gas pressure above that at the outlet, and the weight of the grains
+/// above over the area. The gas carries this weight except for the shares of walls and floor.
+/// Writes a table to `path`, and returns the pressure minus that weight in the lowest cell layer
+/// [Pa].
 inline double write_heights(const std::string& path, const silt::FlowMean& mean, const Scene& s) {
   silt::CsvTable table(path, {"height [m]", "mean pressure [Pa]",
                               "weight of the grains above over the area [Pa]", "mean voidage [-]"});
@@ -53,7 +54,7 @@ inline double write_heights(const std::string& path, const silt::FlowMean& mean,
   return more;
 }
 
-/// The voidage of cells, mean over the depth, as a table.
+/// Void fraction of cells, averaged over the depth, as a table.
 inline void write_voidage(const std::string& path, const silt::FlowSolver& flow, const Scene& s) {
   const auto& eps = flow.voidage();
   silt::CsvTable table(path, {"x [m]", "z [m]", "voidage [-]"});
@@ -126,19 +127,20 @@ void check_run(example::Summary& summary, const Scene& s, Sim& sim, const Curve&
   const std::string law_name = s.name_of_law();
   const auto [overshoot, above] = curve.overshoot(s);
   const silt::FluidClosure& closure = sim.fluid().closure();
-  // Sums of so many numbers, each rounded.
+  // Rounding of sums of so many numbers.
   const double rounding = std::numeric_limits<double>::epsilon() * static_cast<double>(s.particles);
   summary.check_at_most("volume_of_solids_off", closure.volume, rounding);
   summary.check_at_most("momentum_of_exchange_off", closure.momentum, rounding);
   summary.check_at_most("continuity_off", closure.continuity,
                         sim.fluid().flow().options().tolerance);
-  // What gas, floor and walls bear is weight and gain of momentum. The gas's part is read every 0.2
-  // ms, and lacks what it brings of its own momentum, rho U^2 (1/eps - 1): 0.3 % as bubbles rise.
+  // Gas, floor and walls together carry the weight plus the momentum gain. The gas's part is
+  // sampled every 0.2 ms, and lacks the gas's own momentum, rho U^2 (1/eps - 1): 0.3 % while
+  // bubbles rise.
   summary.check_at_most("balance_of_forces_over_weight",
                         std::max(curve.unbalanced, std::abs(bubbling.means.unbalanced(s.weight()))),
                         0.01);
-  // The kernel blurs the bed's surface, where it bears less: by 0.53 of the kernel's reach over the
-  // bed's height; the rest is what layers lack of evenness.
+  // The kernel smooths the bed's surface, which lowers the drag there: by 0.53 of the kernel's
+  // reach over the bed's height. The rest is the variation within layers.
   summary.check_within("minimum_fluidisation_over_the_law", found.measured / found.by_voidage, 1,
                        s.most_off, law_name + " at the bed's voidage at each velocity");
   summary.check_within("minimum_fluidisation_m_s", found.measured, found.by_layers,
@@ -148,15 +150,15 @@ void check_run(example::Summary& summary, const Scene& s, Sim& sim, const Curve&
                         2 * s.by_layers);
   summary.check_at_least("pressure_drop_of_the_dense_bed_over_the_loose_one", above, 1.02);
   summary.check_at_least("largest_pressure_drop_at_rest_over_weight", overshoot, 1.01);
-  // Not of the quick run, in which the bed's rise and fall count.
+  // Not in the quick run, where the bed's rise and fall matter.
   if (curve.plateau.time >= 0.7)
     summary.check_within("plateau_over_weight", curve.plateau.borne() / s.weight(), 1, 0.01,
                          "borne by gas, floor and walls together");
   summary.check_at_least("bubbling_height_over_height_at_rest",
                          bubbling.means.height / found.height, 1.1);
-  // The mean pressure in the lowest layer of cells: the weight above, the momentum that grains
-  // gain, less what floor and walls bear. Half a layer of the walls is not in it, and the gas's
-  // momentum.
+  // Mean pressure in the lowest cell layer: the weight above plus the momentum gain of the grains,
+  // minus the load on floor and walls. Half a layer of the walls, and the gas's momentum, are not
+  // included.
   summary.check_within(
       "mean_pressure_at_the_floor_less_weight_over_weight", bubbling.bears_more / s.weight(),
       (bubbling.means.momentum - bubbling.means.floor - bubbling.means.walls) / s.weight(), 0.02,

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The fluidised bed's scene: sizes and materials, grains that have settled on the floor between two
+// Scene of the fluidised bed: sizes and materials, and grains settled on the floor between two
 // walls, gas that enters through the floor. A program of one's own needs this file and drag.hpp:
 //
 //   fluidised::Scene s;
@@ -46,8 +46,8 @@ struct Scene {
   double by_layers = 0.01;    // [-] of what the law by layers misses
   double at_rest = 5e-3;      // [m/s] mean speed of the grains in a bed that is not fluidised
   std::string shape = "sphere", drag = "gidaspow";
-  /// With hot gas: both begin at `cold`. Grains of glass but for their heat capacity, which is an
-  /// 84th of that of glass: the bed takes a second or two to be warm, not minutes.
+  /// With hot gas: both start at `cold`. Glass grains with an 84th of the heat capacity of glass:
+  /// the bed heats up within a second or two instead of minutes.
   double cold = 300, hot_gas = 400;               // [K]
   double grain_capacity = 10;                     // [J/(kg K)]
   double gas_capacity = 1005;                     // [J/(kg K)]
@@ -58,7 +58,8 @@ struct Scene {
   double depth() const { return deep * cell; }                          // [m]
   double area() const { return width() * depth(); }                     // [m2]
   double volume() const { return silt::Sphere::volume(diameter / 2); }  // [m3] of a grain
-  /// Of all grains, less buoyancy, over the area [Pa]: what the gas bears when it bears them all.
+  /// Weight minus buoyancy of all grains, over the area [Pa]: the pressure drop that carries all of
+  /// them.
   double weight() const {
     return static_cast<double>(particles) * volume() * (density - gas.density) * 9.81 / area();
   }
@@ -68,8 +69,8 @@ struct Scene {
     return silt::minimum_fluidisation_velocity(law, voidage, diameter, density, gas.density,
                                                gas.viscosity);
   }
-  /// The drag law of spheres. That of Syamlal and O'Brien is calibrated as by a bed of these grains
-  /// that Ergun's equation describes, of voidage 0.4.
+  /// The drag law of spheres. Syamlal and O'Brien's law is calibrated to a bed of these grains at
+  /// the void fraction 0.4 that follows Ergun's equation.
   BedDrag drag_law() const {
     if (drag == "own") return {BedDrag::Law::Own};
     if (drag != "syamlal") return {BedDrag::Law::Gidaspow};
@@ -152,9 +153,9 @@ silt::Particles<Shape> settle(const Scene& s, int threads) {
   return settled;
 }
 
-/// Spheres: the law of --drag, without it Ergun's equation in beds, Wen and Yu's where grains are
-/// few. Bodies: the law of Hoelzer and Sommerfeld by their silhouettes, with Di Felice's voidage
-/// function.
+/// Spheres: the law of --drag; by default Ergun's equation in dense beds, Wen and Yu's in dilute
+/// regions. Bodies: the law of Hoelzer and Sommerfeld by their projected areas, with Di Felice's
+/// voidage function.
 template <class Shape>
 auto make_fluid(const Scene& s, silt::FlowSolver flow) {
   const silt::Kernel kernel{.width = s.kernel};

@@ -1,10 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A heap by the collapse of a column: grains settle between a wall and a gate in a channel, which
-// is periodic across; the gate is taken away, and they slide over a floor with grains glued on
-// until they are at rest. Measured are the slope of the heap, its run-out and its solid fraction,
-// for spheres with and without resistance to rolling, cubes, super-ellipsoids, multi-spheres or a
-// mix of all.
+// A heap by column collapse: grains settle between a wall and a gate in a channel, which is
+// periodic across; the gate is removed, and they slide on a floor with glued grains until they are
+// at rest. Results: slope, run-out and solid fraction of the heap, for spheres with and without
+// rolling resistance, cubes, superellipsoids, multi-spheres or a mixture of all.
 //
 // The set-up is scene.hpp; measure.hpp has what is measured, report.hpp pictures and checks.
 

@@ -37,7 +37,7 @@ class Heap {
 
   double place(int k) const { return (k + 0.5) * cell(); }  // [m]
   int columns() const { return static_cast<int>(scene_.channel / cell()); }
-  /// Height [m] of the solid in column k, if it were packed as in the heap's foot.
+  /// Height [m] of column k if its solid were packed as in the heap's toe.
   double height(int k) const {
     return solid(k * cell(), (k + 1) * cell(), -1, 1) / (cell() * scene_.width * fraction_);
   }
@@ -50,9 +50,9 @@ class Heap {
     }
     return scene_.channel;
   }
-  /// Slope [degrees] of the straight line through the heights between the last column that is
-  /// higher than four fifths of the crest and the first that is lower than a fifth: neither the
-  /// round crest nor the thin toe.
+  /// Slope [degrees] of the straight line through the heights between the last column higher than
+  /// four fifths of the crest and the first lower than a fifth. This excludes the round crest and
+  /// the thin toe.
   double angle() const {
     double crest = 0;
     for (int k = 0; k < columns(); ++k) crest = std::max(crest, height(k));
@@ -68,8 +68,8 @@ class Heap {
 
  private:
   double cell() const { return scene_.grain; }
-  /// Volume [m3] of grains, as balls, in the slab from x0 to x1 and from z0 to z1; exact but where
-  /// both cut the same ball.
+  /// Volume [m3] of grains, taken as balls, in the slab from x0 to x1 and from z0 to z1; exact
+  /// unless both cut the same ball.
   double solid(double x0, double x1, double z0, double z1) const {
     const auto below = [&](double way) {  // share of a ball below a plane
       const double t = std::clamp(0.5 + way / scene_.diameter(), 0.0, 1.0);

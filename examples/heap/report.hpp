@@ -12,7 +12,7 @@
 
 namespace heap {
 
-/// What each shape's heap of 500 had (docs/shapes.md, A heap).
+/// Known results for heaps of 500 grains of each shape (docs/shapes.md, A heap).
 struct Known {
   std::string shapes;
   double angle, ratio;  // [degrees]; [-] run-out over aspect ratio
@@ -21,10 +21,10 @@ inline const std::vector<Known> known{
     {"spheres", 18.2, 1.22},       {"rough-spheres", 25.8, 0.93}, {"super-ellipsoids", 24.7, 0.95},
     {"multi-spheres", 24.0, 1.03}, {"cubes", 23.8, 0.84},         {"mix", 24.5, 1.08}};
 
-/// Friction that does not act: a packing of frictionless spheres stands at 5.8 degrees (P.-E.
-/// Peyneau, J.-N. Roux, Phys. Rev. E 78 (2008) 011307), and its front runs to the channel's end. A
-/// resistance to rolling that does not act: rough spheres would lie as spheres do. Contacts that
-/// stick: grains that stay as a column.
+/// Fails for missing friction: a packing of frictionless spheres has 5.8 degrees (P.-E. Peyneau,
+/// J.-N. Roux, Phys. Rev. E 78 (2008) 011307), and its front runs to the channel's end. For missing
+/// rolling resistance: rough spheres would behave like spheres. For contacts that stick: the column
+/// would not collapse.
 inline void check_slopes(example::Summary& summary, const Scene& s, bool quick, double angle,
                          double ratio) {
   if (quick) {
@@ -89,9 +89,9 @@ void add_results(example::Summary& summary, const Sim& sim, const Collapse& c) {
 }
 
 inline void check_run(example::Summary& summary, const Scene& s, const Collapse& c, bool quick) {
-  // A heap that never comes to rest: contacts that feed energy into it.
+  // Fails for a heap that never comes to rest: contacts that generate energy.
   summary.check_at_most("kinetic_energy", c.heap.kinetic_energy(), s.at_rest);
-  // A heap that reaches the wall at the channel's end, whose run-out says nothing.
+  // Fails for a heap that reaches the wall at the channel's end: its run-out would mean nothing.
   summary.check_at_most("front_m", c.heap.front(), s.channel - s.diameter());
   check_slopes(summary, s, quick, c.heap.angle(), c.run_out() / c.aspect());
 }

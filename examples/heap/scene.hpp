@@ -68,8 +68,8 @@ inline std::vector<std::size_t> forms_of(const std::string& shapes) {
   return {0, 1, 2, 3};
 }
 
-/// Loose grains on a lattice above the column, of all forms in turn, and spheres that are glued to
-/// the floor, by their middles, but where walls stand.
+/// Loose grains on a lattice above the column, of all forms in turn, and spheres glued by their
+/// centres to the floor, except where walls stand.
 template <class Shape>
 silt::Particles<Shape> fill(const Scene& s) {
   constexpr bool bodies = silt::BodyShape<Shape>;

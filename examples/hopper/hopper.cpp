@@ -2,9 +2,9 @@
 //
 // Hopper discharge at the scale of D. Markauskas, A. Kaceniauskas, A. Maknickas, Information
 // Technology and Control 40 (2011) 287: 100 000 or 300 000 spheres settle in a square hopper, the
-// orifice of 40 x 40 mm opens, and they flow into an identical box below. What the paper leaves
-// open (density, Poisson ratio, sizes of the boxes) is stated here. With --silo a round silo over a
-// cone instead, and what its walls bear (silo.cpp).
+// orifice of 40 x 40 mm opens, and they flow into an identical box below. What the paper does not
+// give (density, Poisson ratio, sizes of the boxes) is stated here. With --silo a round silo above
+// a cone instead, and its wall pressure (silo.cpp).
 //
 // The set-up is scene.hpp; measure.hpp has what is measured, report.hpp pictures and checks.
 
@@ -58,7 +58,8 @@ Discharge discharge(const Scene& s, Sim& sim, const std::string& out, Checkpoint
                     Pictures& pictures) {
   Discharge curve;
   auto table = discharge_table(s, out + "/discharge.csv", sim.step(), curve);
-  // The flow in the middle layer, as means from when it has begun until half of it has gone by.
+  // The flow field in the middle layer: means from the start of discharge until half of the mass
+  // has passed.
   auto flow = silt::coarse_grained(middle_layer(s), silt::GaussianKernel{.width = 1.5e-3},
                                    silt::every(0.01));
   auto series = silt::vtk_series(out + "/vtk", silt::every(0.02), layers(s));

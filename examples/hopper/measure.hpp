@@ -48,8 +48,8 @@ Rest look_at_rest(const Scene& s, const Sim& sim) {
           sim.kinetic_energy() / (sim.total_mass() * 9.81 * 2 * s.r_max)};
 }
 
-/// What the grains at rest press with: their contacts against the forces of the walls, which are
-/// the weight but for what is left of the bed's bouncing, 3 % with --quick.
+/// Contact forces at rest: the sum of wall contacts against the wall forces. These equal the weight
+/// except for residual bouncing of the bed, 3 % with --quick.
 struct Press {
   double coordination = 0, without_rattlers = 0;  // [-]
   double contacts_off = 0, weight_off = 0;        // [-] over the weight
@@ -80,7 +80,7 @@ struct Discharge {
         t.push_back(time[k]), m.push_back(mass[k]);
     return t.size() > 1 ? silt::fit_straight_line(t, m).slope : 0;
   }
-  /// Time at which a share of `total` has passed [s].
+  /// Time at which a fraction of `total` has passed [s].
   double time_of(double share, double total) const {
     for (std::size_t k = 0; k < time.size(); ++k)
       if (mass[k] >= share * total) return time[k];
@@ -88,9 +88,9 @@ struct Discharge {
   }
 };
 
-/// The deepest overlap [-] over the radius of the hardest hit: the fall from the top of the room
-/// into the funnel, at most by Hertz without losses. Springs that are softer than the material's
-/// overlap more, before the guard stops them.
+/// The largest overlap [-] over the radius in the hardest impact, the fall from the top of the room
+/// into the funnel: bounded by Hertz without losses. Softer springs than the material's give larger
+/// overlaps, up to the guard's limit.
 inline double overlap_of_fall(const Scene& s) {
   const double fastest = std::sqrt(2 * 9.81 * s.room());
   const auto grain = s.material();

@@ -24,7 +24,8 @@ inline void write_outlines(const Scene& s, const std::string& path) {
   silt::write_vtp_triangles(path, mesh.vertices(), mesh.triangles());
 }
 
-/// Cells in the plane through the middle of the hopper, from its orifice to above the filling.
+/// Cells in the vertical plane through the middle of the hopper, from its orifice to above the
+/// filling.
 inline silt::CoarseGrid middle_layer(const Scene& s) {
   const double cell = 2.5e-3, half = cell / 2, low = s.orifice_height() - 0.01,
                high = s.funnel_top() + 1.1 * s.bulk_height();  // [m]
@@ -33,7 +34,7 @@ inline silt::CoarseGrid middle_layer(const Scene& s) {
 }
 
 /// A field of grains for write_particles: six layers, as in the paper's figure. The lattice is
-/// filled from below, so ids rise with height.
+/// filled from below, so ids increase with height.
 inline auto layers(const Scene& s) {
   return [n = s.particles, values = std::make_shared<std::vector<std::uint32_t>>()](
              const auto& at, silt::VtkFields& fields, const auto& places) {
@@ -103,14 +104,15 @@ inline void report_contacts(example::Summary& summary, const Press& p) {
   summary.result("coordination_number_at_rest", p.coordination);
   summary.result("coordination_number_without_rattlers", p.without_rattlers);
   summary.check_at_most("contacts_against_wall_forces_over_weight", p.contacts_off, 1e-4);
-  // No check: the bed has not quite come to rest when it opens (3 % were seen with --quick).
+  // No check: the bed is not quite at rest when the orifice opens (3 % with --quick).
   summary.result("weight_on_walls_off_by", p.weight_off);
 }
 
 template <class Sim>
 void check_run(example::Summary& summary, const Scene& s, const Sim& sim, const Rest& rest,
                const Outcome& o, bool whole) {
-  // Where the guard stops earlier (small grains, high rooms), it is a result without a check.
+  // If the guard's limit is lower (small grains, high rooms), the value is reported without a
+  // check.
   const double deepest = overlap_of_fall(s);
   if (deepest < sim.guard.max_overlap)
     summary.check_at_most("largest_overlap_over_radius", sim.peak_overlap(), deepest);

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// What the walls of a round silo over a cone bear, when it has been filled and while it is emptied:
-// the pressure on rings of the mantle over height, beside Janssen's law, and on the cone's facets.
+// Wall pressure in a round silo above a cone, after filling and during discharge: on rings of the
+// cylinder wall over height, beside Janssen's law, and on the cone's facets.
 
 #include "hopper/silo.hpp"
 
@@ -17,8 +17,9 @@
 namespace silo {
 namespace {
 
-/// Pressures over height, from the outlet up the cone and the mantle. Janssen's law is that of the
-/// bed while it is emptied, the weight above that of the bed at rest, which is higher.
+/// Pressures over height, from the outlet up the cone and the cylinder. Janssen's curve is that of
+/// the bed during discharge; the curve of the weight above is that of the bed at rest, which is
+/// higher.
 void write_walls(const std::string& path, const Scene& s, const std::array<Rings, 2>& rings,
                  const std::array<Rows, 2>& rows, const Janssen& law) {
   const auto& [rest, flow] = rings;

@@ -14,7 +14,8 @@
 
 namespace silo {
 
-/// Means of what rings of the mantle bear, from the cone up, and of the grains beside each.
+/// Mean loads on rings of the cylinder wall, from the cone up, and the weight of the grains beside
+/// each.
 class Rings {
  public:
   explicit Rings(const Scene& s)
@@ -34,20 +35,21 @@ class Rings {
   }
   double pressure(std::size_t k) const { return normal_[k] / samples_; }  // [Pa]
   double shear(std::size_t k) const { return shear_[k] / samples_; }      // [Pa] that holds grains
-  /// [kg/m3] of the bulk between the cone and a diameter below the surface.
+  /// [kg/m3] bulk density between the cone and one diameter below the surface.
   double density() const {
     double weight = 0;
     const std::size_t n = filled() - Scene::per_diameter;
     for (std::size_t k = 0; k < n; ++k) weight += weight_[k] / samples_;
     return weight / (g * s_.area() * s_.ring() * static_cast<double>(n));
   }
-  /// [m] of the middle of ring k, below the surface that all grains would have if packed as above.
+  /// [m] depth of the middle of ring k below the surface, the latter computed from the grains above
+  /// and this bulk density.
   double depth(std::size_t k) const {
     double weight = 0.5 * weight_[k];
     for (std::size_t j = k + 1; j < weight_.size(); ++j) weight += weight_[j];
     return weight / samples_ / (g * s_.area() * density());
   }
-  /// [Pa] vertical stress at the middle of ring k: the weight above less what the rings hold.
+  /// [Pa] vertical stress at the middle of ring k: the weight above minus the shear on the rings.
   double vertical(std::size_t k) const {
     double sum = 0.5 * carried(k);
     for (std::size_t j = k + 1; j < weight_.size(); ++j) sum += carried(j);
@@ -69,22 +71,22 @@ class Rings {
   double samples_ = 0;
 };
 
-/// Janssen's law: on a slice of the bed act its weight, the stress above and below, and shear at
-/// the wall, m times the pressure there, which is K times the vertical stress; m and K the same
-/// everywhere. H. A. Janssen, Z. VDI 39 (1895) 1045.
+/// Janssen's law: the forces on a slice of the bed are its weight, the stresses above and below,
+/// and wall shear, m times the pressure on the wall; that pressure is K times the vertical stress.
+/// m and K are constants. H. A. Janssen, Z. VDI 39 (1895) 1045.
 struct Janssen {
   double rho, D, m, K;               // [kg/m3], [m], [-], [-]
   double pressure(double z) const {  // [Pa] on the wall at depth z
     return rho * g * D / (4 * m) * (1 - std::exp(-4 * m * K * z / D));
   }
-  /// Root of the mean square of what the pressures of the same rings are off this law [-].
+  /// Rms deviation of the pressures of the same rings from this law [-].
   double off(const Rings& rings) const {
     double sum = 0, n = 0;
     for (std::size_t k = Scene::per_diameter / 2; k + Scene::per_diameter < rings.filled(); ++k)
       sum += std::pow(rings.pressure(k) / pressure(rings.depth(k)) - 1, 2), n += 1;
     return std::sqrt(sum / n);
   }
-  /// m and K of rings: sums of stresses from half a diameter above the cone to one below the
+  /// m and K from rings: sums of stresses from half a diameter above the cone to one below the
   /// surface.
   static Janssen of(const Rings& rings, const Scene& s) {
     double normal = 0, shear = 0, vertical = 0;
@@ -94,7 +96,7 @@ struct Janssen {
   }
 };
 
-/// Means of the pressure [Pa] on rows of the cone's facets, from the outlet up.
+/// Mean pressures [Pa] on rows of the cone's facets, from the outlet up.
 class Rows {
  public:
   explicit Rows(const Scene& s) : normal_(s.rows()), area_(s.rows()) {}

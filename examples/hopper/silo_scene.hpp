@@ -52,7 +52,7 @@ struct Scene {
   double settling() const {  // [s]
     return 0.1 + 1.6 * std::sqrt(2 * (top() - cone() - bed()) / g);
   }
-  /// Soft, for a long time step: under a few hundred Pa overlaps are 0.5 % of the diameter.
+  /// Soft, for a long time step: at a few hundred Pa overlaps are 0.5 % of the diameter.
   Law::Material material(double mu) const {
     return {.youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.3, .friction = mu};
   }

@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A spiral jet mill: four jets of air blow grains round a flat chamber; at its wall, and on each
-// other, they break, until they are dust, which leaves with the air through a tube in the middle.
-// The air is incompressible and turbulent, and feels the grains.
+// A spiral jet mill: four air jets drive grains round a flat chamber. They break at its wall and on
+// each other until they are dust, which leaves with the air through a central tube. The air is
+// incompressible and turbulent, with two-way coupling.
 //
 // The set-up is scene.hpp; measure.hpp has what is measured, report.hpp tables and checks.
 

@@ -14,7 +14,7 @@
 
 namespace jet_mill {
 
-/// Sizes [m] below which are 10, 50 and 90 % of the mass of a table; no number while it is empty.
+/// Sizes [m] d10, d50 and d90 by mass of a table; NaN while it is empty.
 inline std::array<double, 3> quantiles(const silt::SizeTable& sizes) {
   if (!(sizes.mass() > 0)) {
     const double none = std::numeric_limits<double>::quiet_NaN();

@@ -10,7 +10,7 @@
 
 namespace jet_mill {
 
-/// The mean flow in the cells beside half of the chamber's height.
+/// The mean flow in the cells next to half of the chamber's height.
 inline void write_gas(const std::string& path, const silt::FlowMean& mean, const Scene& s) {
   silt::CsvTable out(path, {"x [m]", "y [m]", "u [m/s]", "v [m/s]", "w [m/s]"});
   const auto& grid = mean.grid();

@@ -18,7 +18,7 @@
 
 namespace mixer {
 
-/// Kinds of grains by id, and where samples are laid: no sample has both at the start.
+/// Kinds of grains by id, and the positions of the samples: at the start no sample contains both.
 struct Kinds {
   std::vector<bool> right, upper;
   Vec3d corner;  // [m]
@@ -66,7 +66,7 @@ struct Run {
   double lost = 0, mass_before = 0, mass = 0;  // grains, [kg]
 };
 
-/// Goes along with a run: torque, angle and work every 5 ms, and the index of mixing.
+/// Observes a run: torque, angle and work every 5 ms, and the mixing index.
 template <class Sim>
 class Watch {
  public:
@@ -81,7 +81,7 @@ class Watch {
         table_(out, {"time [s]", "turns", "colours", "layers"}) {
     add_row();
   }
-  /// Runs on for `seconds`.
+  /// Continues for `seconds`.
   template <class... Observers>
   Stage stage(const std::string& name, double seconds, Observers&&... observers) {
     Stage stage{name};
@@ -108,7 +108,7 @@ class Watch {
   }
 
  private:
-  /// Adds what was since the last look; of the torque sums over time.
+  /// Adds the changes since the last reading; of the torque also sums over time.
   void read(Stage& stage) {
     const auto mean = load_.read(sim_);
     if (mean.duration == 0) return;
@@ -138,7 +138,7 @@ class Watch {
   silt::CsvTable table_;
 };
 
-/// What is left at the end of a run.
+/// Results of a run.
 template <class Sim>
 void look_back(const Sim& sim, const Scene& s, const Kinds& kinds, Run& run) {
   run.mass = sim.total_mass();

@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A bladed mixer. Grains of two colours lie side by side; two blades turn through them, at a fixed
-// speed in one run, with a fixed torque (ServoTorque) in the other. Blades that lie back are then
-// raised until they are upright (set_mesh). Torque, angle and power over time, and Lacey's index of
-// mixing: of the colours, and of the layers that lay over one another.
+// A bladed mixer. Grains of two colours lie side by side, and two blades stir them: in one run at a
+// fixed speed, in the other with a fixed torque (ServoTorque). Then the tilted blades are raised
+// until they are upright (set_mesh). Results: torque, angle and power over time, and Lacey's mixing
+// index, of the colours and of layers that were initially on top of one another.
 //
 // The set-up is scene.hpp; measure.hpp has what is measured, report.hpp the checks.
 
@@ -20,8 +20,8 @@
 namespace mixer {
 namespace {
 
-/// A run from the charged mixer: at a fixed speed, or with a torque `target` [N m], and `more` for
-/// upright blades.
+/// A run of the filled mixer: at a fixed speed, or with a torque `target` [N m]; `more` for upright
+/// blades.
 Run mix(const Scene& s, const std::string& file, double target, double more,
         const example::Options& options) {
   Run run;

@@ -52,7 +52,7 @@ inline void check(example::Summary& summary, const Run& run, bool quick) {
     summary.result(of + "index of colours", t.index);
     summary.result(of + "index of layers", t.layers);
     given += t.given, booked += t.booked;
-    // While the blades are raised, they also work in their hinges.
+    // While the blades are raised, work is also done at their hinges.
     if (t.name == "blades are raised") continue;
     if (run.target == 0)
       summary.check_within(of + "torque times angle over energy held and dissipated",
@@ -78,7 +78,7 @@ inline void check(example::Summary& summary, const Run& run, bool quick) {
   summary.check_at_most(name + "mean overlap over mean diameter", run.overlap, 0.01);
 }
 
-/// A bed that flows bears a torque that hardly depends on the speed: 1 % more at 8 % more.
+/// The torque of a flowing bed hardly depends on the speed: 1 % more at 8 % more speed.
 inline void compare_speeds(example::Summary& summary, const Scene& s, const Run& speed,
                            const Run& torque) {
   const double speeds = torque.stages[1].rate() / speed.stages[1].rate();

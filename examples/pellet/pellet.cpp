@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Pellets tumble in a drum with a bar: agglomerates of bonded spheres, whose bonds break. How much
-// of their mass has come off in small pieces, over the turns of the drum, as tests of durability
-// ask. They settle with bonds that do not break, and the drum turns from that checkpoint on.
+// Pellets tumble in a drum with a bar: agglomerates of bonded spheres, whose bonds break. The
+// result is the mass fraction lost in small pieces, over the turns of the drum, as in durability
+// tests. The pellets settle with unbreakable bonds; the drum rotates from that checkpoint on.
 //
 // The set-up is scene.hpp; measure.hpp has what is measured, report.hpp pictures and checks.
 

@@ -11,7 +11,7 @@
 
 namespace pellet {
 
-/// Pieces by mass: how much of all mass is in smaller ones.
+/// Pieces by mass: the mass fraction in smaller pieces.
 template <class Sim>
 void write_sizes(const std::string& file, const Sim& sim, double pellet) {
   auto mass = silt::fragments(sim).mass;

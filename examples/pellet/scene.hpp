@@ -52,7 +52,7 @@ struct Scene {
   }
 };
 
-/// Mass of the piece that a sphere belongs to, over that of a pellet [-].
+/// Mass of the piece that contains a sphere, over that of a pellet [-].
 using Piece = silt::Field<"piece over pellet [-]">;
 
 inline auto make_simulation(const Scene& s) {
@@ -66,13 +66,13 @@ inline auto make_simulation(const Scene& s) {
   sim.gravity = {0, 0, -9.81};
   sim.add_wall(silt::Cylinder{{0, -s.width, 0}, {0, 2 * s.width, 0}, s.drum, silt::Side::Inside},
                s.material(), {.name = "drum"});
-  // Of a thickness that no sphere gets around: 20 % of the drum's radius deep. It goes down first.
+  // Too thick for a sphere to get around: 20 % of the drum's radius. It goes down first.
   sim.add_wall(silt::box_mesh({0.8 * s.drum, 0, -1.5e-3}, {1.01 * s.drum, s.width, 1.5e-3}),
                s.material(), {.name = "bar"});
   return sim;
 }
 
-/// Whether no sphere is within `room` [m] of x, images across the period included.
+/// Whether no sphere is within `room` [m] of x, including periodic images.
 template <class Sim>
 bool is_free(const Sim& sim, const Scene& s, const Vec3d& x, double room) {
   for (std::size_t k = 0; k < sim.rows(); ++k) {
@@ -83,7 +83,7 @@ bool is_free(const Sim& sim, const Scene& s, const Vec3d& x, double room) {
   return true;
 }
 
-/// As many pellets as have room to turn, in random directions. Returns how many there are.
+/// As many pellets as fit without touching, in random orientations. Returns their number.
 template <class Sim>
 std::size_t add_pellets(Sim& sim, const Scene& s, silt::Random& random, std::size_t placed) {
   // Spheres at an end that are too far from the others for a bond are left out.

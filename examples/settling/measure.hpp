@@ -14,8 +14,8 @@
 
 namespace settling {
 
-/// Velocity [m/s] downwards of a single grain, in a column 32 diameters wide. The wider the kernel
-/// over which its own push on the liquid is spread, the less it feels of it.
+/// Downward velocity [m/s] of a single grain, in a column 32 diameters wide. The wider the kernel
+/// that spreads the grain's reaction on the liquid, the smaller its effect on the grain itself.
 inline double lone_grain(const Scene& s, const silt::FluidProperties& liquid, int threads) {
   silt::Particles<silt::Sphere> grain;
   const int across = 16, high = 32;
@@ -25,7 +25,7 @@ inline double lone_grain(const Scene& s, const silt::FluidProperties& liquid, in
   auto sim = make_simulation(s, std::move(grain), liquid, across, high, 8);
   sim.threads = threads;
   const double v = s.terminal(liquid), fall = 12 * s.diameter;
-  // Accelerated with its own mass, to some parts in a thousand within five relaxation times.
+  // Accelerated with its own mass: some parts in a thousand remain after five relaxation times.
   const double relaxed = 5 * v / 9.81 * s.density / (s.density - liquid.density);
   sim.run(relaxed + fall / v);
   const double from = sim.position(0).z, start = sim.time();
@@ -46,7 +46,7 @@ inline Settled suspension(const Scene& s, const silt::FluidProperties& liquid, d
   sim.threads = threads;
   const double v = s.hindered(liquid, fraction), fall = s.fall * s.diameter;
   sim.run(fall / v);
-  // Those that are in the middle half of the column now.
+  // Grains that are in the middle half of the column now.
   std::vector<double> from;  // [m] by their ids
   double number = 0;
   for (std::size_t k = 0; k < sim.rows(); ++k)

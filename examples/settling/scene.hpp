@@ -44,7 +44,7 @@ struct Scene {
                                                f.viscosity);
   }
   /// The exponent of J. F. Richardson and W. N. Zaki, Trans. Inst. Chem. Eng. 32 (1954) 35, without
-  /// their terms of the walls.
+  /// their wall terms.
   static double exponent(double Re) {
     if (Re < 0.2) return 4.65;
     if (Re < 1) return 4.35 * std::pow(Re, -0.03);
@@ -74,7 +74,7 @@ inline auto make_simulation(const Scene& s, silt::Particles<silt::Sphere> grains
   return sim;
 }
 
-/// The grains of a suspension: a lattice, shaken as far as there is room.
+/// The grains of a suspension: a lattice, with random displacements as far as there is room.
 inline silt::Particles<silt::Sphere> lattice(const Scene& s, double fraction) {
   const double volume = silt::Sphere::volume(s.diameter / 2);
   silt::Particles<silt::Sphere> grains;

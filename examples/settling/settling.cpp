@@ -1,10 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Settling: one grain at a time falls in liquids of three viscosities, against the closed form of
-// its terminal velocity; then suspensions of more and more solids settle in a closed column, which
-// is periodic across, against the law of Richardson and Zaki, v = v_t (1 - phi)^n. Measured is the
-// mean velocity of the grains in the middle of the column; as it is closed, no volume flows through
-// its cross-section, which is what the law asks for.
+// Settling: single grains in liquids of three viscosities, against the closed form of the terminal
+// velocity; then suspensions of increasing solid fraction in a closed column, periodic across,
+// against the Richardson-Zaki law, v = v_t (1 - phi)^n. The result is the mean velocity of the
+// grains in the middle of the column. As the column is closed, the volume flux through its
+// cross-section is zero, as the law requires.
 //
 // The set-up is scene.hpp; measure.hpp has what is measured.
 
@@ -111,9 +111,9 @@ int simulate(const Scene& s, const example::Options& options) {
   const std::string picture = options.out + "/column.vtp";
   run_suspensions(s, options, columns, picture, errors);
   summary.result("wall_time_s", watch.seconds());
-  // The liquid around a grain moves with it, as its push is spread over no more than the kernel.
+  // The liquid around a grain is dragged along, as its reaction is spread only over the kernel.
   summary.check_at_most("lone_grain_off_closed_form", errors.lone, 0.04);
-  // Grains are not spread evenly, nor stay so.
+  // Grains are not distributed homogeneously, and do not remain so.
   summary.check_at_most("suspension_off_the_drag_law", errors.law, 0.03);
   // Di Felice's law is a fit to such measurements; it differs from theirs by 5 % here.
   summary.check_at_most("suspension_off_richardson_and_zaki", errors.zaki, 0.08);

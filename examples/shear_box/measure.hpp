@@ -18,7 +18,7 @@
 
 namespace shear_box {
 
-/// Means over a piece of the way of the lower half.
+/// Means over an interval of the displacement of the lower half.
 struct Point {
   double way = 0, rise = 0;     // [m] of the lower half; of the lid, at the end
   double below = 0, above = 0;  // [N] shear force, of the lower half; of ring and lid
@@ -34,7 +34,7 @@ struct Test {
   double overlap = 0;     // [-] mean of grains that touch, of the mean diameter
   std::vector<Point> curve;
   std::size_t residual_from = 0;  // points
-  // Over the residual stretch:
+  // Over the residual interval:
   double work = 0, lid_work = 0;     // [J] of the shear force, and of the lid, on the grains
   double dissipated = 0, held = 0;   // [J] by the ledger; held: more than before
   double momentum = 0, impulse = 0;  // [N s] what grains gained, what shear forces differ by
@@ -56,7 +56,7 @@ struct Test {
     return mean(residual_from, curve.size(), of);
   }
   static constexpr std::size_t half_window = 3;
-  /// The point around which the mean of seven ratios is largest.
+  /// The centre of the seven consecutive points with the largest mean ratio.
   std::size_t peak_at() const {
     std::size_t best = half_window;
     const auto of = [](const Point& p) { return p.ratio(); };
@@ -70,7 +70,8 @@ struct Test {
   double at_peak(const Of& of) const {
     return mean(peak_at() - half_window, peak_at() + half_window + 1, of);
   }
-  /// Rise of the lid over the way [-], the slope around a point: the tangent of dilatancy.
+  /// Rise of the lid over displacement [-], the slope around a point: the tangent of the dilatancy
+  /// angle.
   double dilatancy(std::size_t from, std::size_t to) const {
     std::vector<double> x, y;
     for (std::size_t k = from; k < to; ++k) x.push_back(curve[k].way), y.push_back(curve[k].rise);
@@ -95,7 +96,7 @@ double height(const Sim& sim) {
   return plane.point.z + sim.wall("lid").pose.translation.z -
          std::get<silt::Plane>(sim.wall("floor").surfaces.front()).point.z;
 }
-/// Mean overlap of grains that touch [m]. Between runs.
+/// Mean overlap of touching grains [m]. Between runs.
 template <class Sim>
 double mean_overlap(const Sim& sim) {
   double sum = 0, count = 0;
@@ -105,8 +106,8 @@ double mean_overlap(const Sim& sim) {
   return sum / count;
 }
 
-/// Thickness [m] in which the mean displacement falls from 9 to 1 tenth of that of the lower half,
-/// over 0.8, as it would be if it fell evenly.
+/// Shear band thickness [m]: the distance in which the mean displacement falls from 9 to 1 tenth of
+/// that of the lower half, over 0.8, its value for a linear profile.
 template <class Sim>
 double sheared_band(const Sim& sim, const Scene& s, const std::vector<Vec3d>& before, double way) {
   const double layer = 0.5 * s.diameter;
@@ -130,7 +131,7 @@ double sheared_band(const Sim& sim, const Scene& s, const std::vector<Vec3d>& be
   return (falls_below(0.1) - falls_below(0.9)) / 0.8;
 }
 
-/// Reads the loads of all walls as means over the pieces of a shear.
+/// Records the loads of all walls as means over the intervals of a shear test.
 template <class Sim>
 class Shear {
  public:
@@ -158,14 +159,14 @@ template <class Sim>
 Vec3d momentum(const Sim& sim) {
   return sim.total_mass() * sim.mean_velocity();
 }
-/// [N s] of the grains on walls along the motion, since the start; of the lower half alone.
+/// [N s] impulse of the grains on walls along the motion, since the start; of the lower half only.
 template <class Sim>
 std::array<double, 2> impulses(const Sim& sim) {
   const double below = sim.wall("lower half").impulse.x + sim.wall("floor").impulse.x;
   return {below + sim.wall("upper half").impulse.x + sim.wall("lid").impulse.x, below};
 }
 
-/// The residual stretch, with its books.
+/// The residual interval, with its balances.
 template <class Sim>
 void shear_on(Sim& sim, Shear<Sim>& shear, const Scene& s, Test& t, std::size_t pieces,
               double duration) {
@@ -182,7 +183,7 @@ void shear_on(Sim& sim, Shear<Sim>& shear, const Scene& s, Test& t, std::size_t 
   t.momentum = momentum(sim).x - p, t.impulse = -(last[0] - sums[0]);
   t.shear_impulse = -(last[1] - sums[1]);
   t.work = t.shear_impulse * s.speed();  // the lower half has one speed by now
-  // A free lid gives the grains what its weight and its motion lose.
+  // A free lid transfers to the grains the energy lost by its weight and motion.
   const double lid_now = sim.wall("lid").state.rate_now;
   t.lid_work = -t.stress * s.area() * (height(sim) - lid) -
                0.5 * s.lid_mass() * (lid_now * lid_now - lid_speed * lid_speed);

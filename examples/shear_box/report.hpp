@@ -28,7 +28,7 @@ inline void write(const std::string& out, const Scene& s, const Test& t) {
                    kPa * p.normal, kPa * p.lid});
 }
 
-/// Shear over normal stress [Pa] of tests: at their peak, or residual.
+/// Shear over normal stress [Pa] of tests: peak or residual.
 struct Mohr {
   std::vector<double> normal, shear;
   void add(const Scene& s, const Test& t, bool peak) {
@@ -58,7 +58,7 @@ inline void report(example::Summary& summary, const std::string& name,
   summary.result(name + ": its standard error [kPa]", 1e-3 * line.intercept_error);
 }
 
-/// What holds of each test alone.
+/// Checks of each single test.
 inline void check_test(example::Summary& summary, const Scene& s, const Test& t) {
   const std::string name = t.title() + ": ";
   const auto lid = [](const Point& p) { return p.lid; };
@@ -103,7 +103,7 @@ inline void check_samples(example::Summary& summary, const Scene& s,
     rise[is_dense ? 0 : 1] += t.curve.back().rise / (n * s.diameter);
     if (!is_dense) continue;
     peak += t.at_peak(ratio) / n, up += t.dilatancy_at_peak() / n;
-    // Work of the shear force less that against the lid, over normal force and way.
+    // Work of the shear force minus work against the lid, over normal force and displacement.
     slip += (t.at_peak(ratio) -
              t.dilatancy_at_peak() * t.at_peak([](const Point& p) { return p.lid / p.normal; })) /
             n;
@@ -133,8 +133,9 @@ inline void check_samples(example::Summary& summary, const Scene& s,
   const double scatter = is_small ? 6 : 3;
   summary.check_within("residual friction angle, loose against dense [deg]", b, a, scatter,
                        "fluctuations of a band of few hundred grains");
-  // Taylor (recalled): tan(phi) at the peak is tan(phi) at constant volume and the tangent of
-  // dilatancy. The residual angle of a short box has a share of its ends, which the rule lacks.
+  // Taylor (recalled): at the peak tan(phi) is tan(phi) at constant volume plus the tangent of the
+  // dilatancy angle. The residual angle of a short box contains a contribution of its ends, which
+  // the rule lacks.
   summary.check_within("dense: angle at the peak without the work of dilation [deg]", degrees(slip),
                        degrees(rest.slope), 6,
                        "the rule is rough; with that work 9 off, with its sign wrong 20");

@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// The direct shear test of soil mechanics. A box is cut in two at mid-height: its lower half moves
-// sideways, a lid under a dead weight presses on the sample. A dense and a loose sample of spheres,
-// each under three normal stresses: shear stress and height of the lid over the displacement, the
-// lines of Mohr and Coulomb, and dilatancy against Taylor's rule.
+// Direct shear test of soil mechanics. A box is split at mid-height: its lower half moves sideways,
+// a lid under a dead weight presses on the sample. A dense and a loose sample of spheres, each at
+// three normal stresses: shear stress and lid height over displacement, Mohr-Coulomb lines, and
+// dilatancy against Taylor's rule.
 //
 // The set-up is scene.hpp; measure.hpp has what is measured, report.hpp tables and checks.
 
