@@ -54,8 +54,8 @@ auto discharge_table(const Scene& s, const std::string& path, std::int64_t step,
 
 /// Runs from when the orifice has opened until nothing flows any more.
 template <class Sim, class Checkpoints>
-Discharge discharge(const Scene& s, Sim& sim, const std::string& out, Checkpoints& save,
-                    Pictures& pictures) {
+Discharge discharge(const Scene& s, Sim& sim, double total, const std::string& out,
+                    Checkpoints& save, Pictures& pictures) {
   Discharge curve;
   auto table = discharge_table(s, out + "/discharge.csv", sim.step(), curve);
   // The flow field in the middle layer: means from the start of discharge until half of the mass
@@ -69,7 +69,6 @@ Discharge discharge(const Scene& s, Sim& sim, const std::string& out, Checkpoint
     silt::write_particles(pictures.grains.back(), sim, layers(s));
   };
   const double opening = s.settling_time(), end = s.particles >= 200000 ? 6.0 : 3.0;  // [s]
-  const double total = sim.total_mass();
   for (int k = 0; sim.time() < opening + end; ++k) {
     const double next = k < 4 ? opening + s.moments[k] : sim.time() + 0.1;
     if (next <= sim.time()) continue;  // before the restart
@@ -109,29 +108,33 @@ int simulate(const Scene& scene, const example::Options& options) {
   write_outlines(scene, options.out + "/outlines.vtp");
   auto save = silt::checkpoints(options.out + "/checkpoint.silt", silt::every(0.1));
   Pictures pictures;
+  const double total = sim.total_mass();  // [kg]
 
   if (sim.time() < opening) {
     std::printf("filling\n");
     sim.run(opening - sim.time(), save, silt::progress());
   }
-  const Rest rest = look_at_rest(scene, sim);
+  const Rest rest = look_at_rest(scene, sim, total);
   if (sim.time() < opening + 0.5 * scene.time_step) {  // also of a checkpoint from before
     if (sim.has_contacts()) {
       pictures.has_chains = true;
       silt::write_contacts(options.out + "/contacts_at_rest.vtp", sim);
-      report_contacts(summary, look_at_contacts(sim));
+      report_contacts(summary, look_at_contacts(sim, total));
     }
     sim.remove_wall(lid);
   }
 
   std::printf("discharging\n");
-  const Discharge curve = discharge(scene, sim, options.out, save, pictures);
-  Outcome o{.total = sim.total_mass(), .out = Below(sim, scene.orifice_height()).mass};
+  const Discharge curve = discharge(scene, sim, total, options.out, save, pictures);
+  Outcome o{.total = total, .out = Below(sim, scene.orifice_height()).mass};
   o.rate = curve.rate(o.out);
   o.theory = beverloo(scene.orifice, scene.r_min + scene.r_max, rest.fraction * scene.density);
   const bool from_start = options.restart.empty();
   add_results(summary, scene, sim, rest, curve, o, from_start);
   summary.result("wall_time_s", whole.seconds());
+  summary.result("overlap_of_the_fall_over_radius", overlap_of_fall(scene));
+  if (const auto limit = sim.time_step_limit(3.0))
+    summary.result("time_step_over_limit", sim.step_length() / *limit);
   check_run(summary, scene, sim, rest, o, from_start);
   summary.write(options.out + "/summary.json");
   const bool drawn = draw_run(options.out, scene, pictures, o.theory);

@@ -40,12 +40,13 @@ struct Rest {
   double fraction = 0;  // [-] of solid, away from walls and surface
   double energy = 0;    // [-] kinetic, over weight times diameter
 };
+///   total: mass of all grains [kg]
 template <class Sim>
-Rest look_at_rest(const Scene& s, const Sim& sim) {
+Rest look_at_rest(const Scene& s, const Sim& sim, double total) {
   const double top = s.funnel_top() + 0.55 * s.bulk_height();
   return {solid_fraction(sim, {{0.015, 0.015, s.funnel_top() + 0.005},
                                {s.width - 0.015, s.width - 0.015, top}}),
-          sim.kinetic_energy() / (sim.total_mass() * 9.81 * 2 * s.r_max)};
+          sim.kinetic_energy() / (total * 9.81 * 2 * s.r_max)};
 }
 
 /// Contact forces at rest: the sum of wall contacts against the wall forces. These equal the weight
@@ -54,9 +55,10 @@ struct Press {
   double coordination = 0, without_rattlers = 0;  // [-]
   double contacts_off = 0, weight_off = 0;        // [-] over the weight
 };
+///   total: mass of all grains [kg]
 template <class Sim>
-Press look_at_contacts(const Sim& sim) {
-  const double weight = 9.81 * sim.total_mass();
+Press look_at_contacts(const Sim& sim, double total) {
+  const double weight = 9.81 * total;
   const auto z = silt::coordination(sim);
   silt::Vec3d on_walls{0, 0, 0}, by_contacts{0, 0, 0};
   for (std::size_t w = 0; w < sim.walls(); ++w) on_walls += sim.wall(w).force;

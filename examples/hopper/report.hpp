@@ -95,9 +95,6 @@ void add_results(example::Summary& summary, const Scene& s, const Sim& sim, cons
   summary.result("kinetic_energy_at_rest_over_weight_times_diameter", rest.energy);
   summary.result("most_contacts", curve.most_contacts);
   summary.result("steps", static_cast<double>(sim.step()));
-  summary.result("overlap_of_the_fall_over_radius", overlap_of_fall(s));
-  if (const auto limit = sim.time_step_limit(3.0))
-    summary.result("time_step_over_limit", sim.step_length() / *limit);
 }
 
 inline void report_contacts(example::Summary& summary, const Press& p) {
