@@ -2,7 +2,7 @@
 //
 // The laboratory ball mill of B. Doroszek et al., Minerals 14 (2024) 407: angle of repose in three
 // drums beside that of recordings, torque and power, impact energies; with --scan over restitution
-// and friction.
+// and friction. The set-up is scene.hpp, with slurry slurry.hpp.
 
 #include <cmath>
 #include <cstdio>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "ball_mill/dry.hpp"
+#include "ball_mill/measure.hpp"
 #include "ball_mill/scene.hpp"
 #include "ball_mill/wet.hpp"
 #include "support/example.hpp"

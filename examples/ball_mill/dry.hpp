@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "ball_mill/measure.hpp"
 #include "ball_mill/scene.hpp"
 #include "support/example.hpp"
 #include "support/impact_spectrum.hpp"

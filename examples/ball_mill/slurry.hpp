@@ -1,7 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The wet mill: slurry (SPH) in the pores between the balls and around them.
+// The wet mill's scene: slurry (SPH) in the pores between the balls and around them.
+//
+//   auto dry = ball_mill::filled_mill(s, threads);
+//   auto sim = ball_mill::wet_mill(s, ball_mill::Slurry{}, dry, threads);
 
 #include <algorithm>
 #include <cmath>
@@ -100,6 +103,26 @@ inline auto make_slurry(const Scene& s, const Slurry& slurry) {
                    silt::MirroredWalls{},
                    silt::RestoredVolume{},
                    silt::Mixed{}};
+}
+
+/// The settled balls, with slurry between and over them.
+template <class Dry>
+auto wet_mill(const Scene& s, const Slurry& slurry, const Dry& dry, int threads) {
+  auto water = make_slurry(s, slurry);
+  // A particle that leaves all others loses, by the continuity equation, their contribution to the
+  // kernel sum, up to 0.8 of its density, and regains it on return. Also, approaching balls squeeze
+  // the slurry between them.
+  water.least_density = 0.1, water.most_density = 1.5;
+  water.fill(SlurryPlaces(s, slurry, dry));
+  silt::Particles<silt::Sphere> balls;
+  for (std::size_t k = 0; k < dry.rows(); ++k)
+    balls.add({.position = dry.position(k), .radius = dry.radius(k), .density = steel_density});
+  auto sim = make_mill(s, std::move(balls), threads, std::move(water));
+  // A step of the slurry is a whole number of the balls' steps, as many as its fastest pairs allow:
+  // with short steps of the balls it comes closer to the limit (Sph::steps_wanted).
+  const auto& setup = sim.fluid().setup();
+  sim.time_step = std::min(dry.step_length(), setup.courant * setup.h() / (6 * slurry.sound));
+  return sim;
 }
 
 }  // namespace ball_mill

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "ball_mill/scene.hpp"
+#include "ball_mill/measure.hpp"
 #include "calibrate/cases.hpp"
 
 namespace {

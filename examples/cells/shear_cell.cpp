@@ -12,7 +12,8 @@
 
 #include <silt/files/csv_table.hpp>
 
-#include "cells/cell.hpp"
+#include "cells/scene.hpp"
+#include "support/example.hpp"
 
 namespace {
 

@@ -18,41 +18,14 @@
 #include <silt/boundary/domain.hpp>
 #include <silt/silt.hpp>
 
+#include "charged_powder/measure.hpp"
 #include "charged_powder/scene.hpp"
 #include "support/example.hpp"
 
 namespace {
 
-using powder::Scene, powder::Charges, powder::Sticking, powder::Law;
-using silt::Charge, silt::TriboCharge, silt::ElectricCharge, silt::Vec3d;
-
-auto make_simulation(const Scene& s) {
-  const double L = s.side();
-  silt::Particles<silt::Sphere> grains;
-  grains.fill({{0, 0, 0}, {L, L, 40 * s.r_max}}, {.radius = silt::uniform(s.r_min, s.r_max),
-                                                  .density = s.density,
-                                                  .count = s.particles,
-                                                  .arrangement = silt::Arrangement::Lattice});
-  silt::Contacts<Law, silt::SeveralMaterials> contacts{{s.powder(), s.metal()}};
-  contacts.set_pair(s.powder(), s.metal(), {.restitution = 0.7, .friction = s.friction});
-  const double rate = 2 * std::numbers::pi * s.frequency;  // [1/s]
-  silt::Simulation sim{
-      std::move(grains),
-      contacts,
-      silt::PeriodicBox{{{0, 0, 0}, {L, L, 1}}, {true, true, false}},
-      silt::ContactEvents{},
-      TriboCharge{Charge{.cutoff = 4 * s.r_max, .planes = {{{0, 0, 0}, {0, 0, 1}}}},
-                  {.work_functions = {4.5 - s.voltage, 4.5},
-                   .transfer_distance = s.delta,
-                   .area_factor = s.area_factor}},
-      silt::BodyForce{[s, rate](const silt::Seen& p) {
-        const double a = p.time < s.shaken ? s.speed * rate * std::sin(rate * p.time) : 0;
-        return Vec3d{0, 0, -p.mass * a};
-      }}};
-  sim.gravity = {0, 0, -s.g};
-  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, s.metal(), {.name = "plate"});
-  return sim;
-}
+using powder::Scene, powder::Charges, powder::Sticking;
+using silt::ElectricCharge;
 
 template <class Sim>
 void write_grains(const std::string& path, const Sim& sim) {

@@ -1,12 +1,18 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Material and laws of the drop test, and their predictions for one impact and for many.
+// The drop test's scene: grains that break and a plate of steel, their material and laws, and what
+// one impact should do by them.
+//
+//   drop_test::Scene s;
+//   auto sim = drop_test::make_simulation(s, 2e-3, 5, 1e-4, 1);  // [m], [m/s], [m] above the plate
+//   sim.run(1e-4, silt::breakage_table("breakage.csv", silt::every(1e-6)));
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <silt/silt.hpp>
@@ -85,38 +91,35 @@ struct Scene {
   }
 };
 
-/// Number of the impact that breaks a grain of this strength, at most `most` + 1, under the same
-/// load at each impact.
-inline std::size_t breaking_impact(const silt::PowerFatigue& fatigue, double strength, double load,
-                                   std::size_t most) {
-  std::size_t n = 1;
-  for (; n <= most && load < strength; ++n) strength = fatigue.weakened(strength, load);
-  return n;
-}
-
-/// Fraction of all grains [-] that are broken after 1, 2, ... `most` impacts: those weaker than the
-/// strength above which one more impact is needed. Bisection finds that strength.
-inline std::vector<double> broken_after(const Scene& s, double diameter, double speed,
-                                        std::size_t most) {
-  const double load = s.load(diameter, speed);
-  std::vector<double> shares;
-  for (std::size_t n = 1; n <= most; ++n) {
-    double low = load, high = 1e3 * load;  // [N]
-    for (int halving = 0; halving < 100; ++halving) {
-      const double middle = std::sqrt(low * high);
-      (breaking_impact(s.fatigue(), middle, load, most) <= n ? low : high) = middle;
-    }
-    shares.push_back(s.strength().weaker(n == 1 ? load : low, diameter, s.mass(diameter)));
-  }
-  return shares;
-}
-
-/// Quantile of chi-square with n degrees of freedom at the probability with which a normal deviate
-/// exceeds z. Source: E. B. Wilson, M. M. Hilferty, PNAS 17 (1931) 684; error below 1 % for n of 10
-/// and more.
-inline double chi_square(double n, double z) {
-  const double w = 2 / (9 * n);
-  return n * std::pow(std::max(1 - w + z * std::sqrt(w), 0.0), 3);
+/// Grains side by side above the plate, far apart, each at the height `gap` [m] and moving down;
+/// their ids are 0, 1, ... No gravity: all hit the plate at the same speed.
+inline auto make_simulation(const Scene& s, double diameter, double speed, double gap,
+                            std::uint64_t seed) {
+  silt::Contacts<Law, silt::SeveralMaterials> contacts{{s.salt(), s.steel()}};
+  contacts.set_pair(s.salt(), s.steel(), {.restitution = s.restitution, .friction = 0.4});
+  silt::Particles<silt::Sphere> grains;
+  const auto row = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(s.grains))));
+  for (std::size_t k = 0; k < s.grains; ++k)
+    grains.add({.position = {3 * diameter * static_cast<double>(k % row),
+                             3 * diameter * static_cast<double>(k / row), diameter / 2 + gap},
+                .radius = diameter / 2,
+                .density = Scene::density,
+                .velocity = {0, 0, -speed}});
+  silt::Simulation sim{
+      std::move(grains), contacts,
+      silt::Breakage{
+          s.strength(),
+          s.equivalence(),
+          s.sizes(),
+          s.fatigue(),
+          {.dust_below = Scene::dust * diameter, .most_fragments = Scene::most, .seed = seed}},
+      silt::EnergyLedger{}};
+  sim.gravity = {0, 0, 0};
+  // Small fragments between the plate and a large one have larger overlaps than alone.
+  sim.guard.max_overlap = 0.6;
+  sim.time_step = s.touching(Scene::dust * diameter, speed) / 40;
+  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, s.steel(), {.name = "plate"});
+  return sim;
 }
 
 }  // namespace drop_test

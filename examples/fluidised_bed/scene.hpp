@@ -2,19 +2,23 @@
 #pragma once
 
 // Scene of the fluidised bed: sizes and materials, and grains settled on the floor between two
-// walls.
+// walls, gas that enters through the floor. A program of one's own needs this file and drag.hpp:
+//
+//   fluidised::Scene s;
+//   auto sim = fluidised::make_simulation(s, fluidised::settle<silt::Sphere>(s, threads));
+//   sim.fluid().flow().set_side(2, 0, silt::Inflow{{0, 0, 1.0}});  // [m/s]
+//   sim.run(1.0, silt::vtk_series("out", silt::every(0.01)));
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <string>
+#include <utility>
 
-#include <silt/boundary/domain.hpp>
-#include <silt/coupling/formulas.hpp>
-#include <silt/fluid/properties.hpp>
-#include <silt/silt.hpp>
+#include <silt/coupling/drag/oriented.hpp>
+#include <silt/fluid.hpp>
 
-#include "drag.hpp"
-#include "support/example.hpp"
+#include "fluidised_bed/drag.hpp"
 
 namespace fluidised {
 
@@ -149,7 +153,52 @@ silt::Particles<Shape> settle(const Scene& s, int threads) {
   return settled;
 }
 
-/// Hot gas through the cold bed (hot_bed.cpp); returns the exit status.
-int blow_hot(const Scene& s, const example::Options& options);
+/// Spheres: the law of --drag; by default Ergun's equation in dense beds, Wen and Yu's in dilute
+/// regions. Bodies: the law of Hoelzer and Sommerfeld by their projected areas, with Di Felice's
+/// voidage function.
+template <class Shape>
+auto make_fluid(const Scene& s, silt::FlowSolver flow) {
+  const silt::Kernel kernel{.width = s.kernel};
+  if constexpr (silt::BodyShape<Shape>)
+    return silt::CoupledFlow{silt::OrientedDrag<>{}, kernel, std::move(flow),
+                             silt::InclinedLift<>{}};
+  else
+    return silt::CoupledFlow{s.drag_law(), kernel, std::move(flow)};
+}
+
+/// The settled grains in gas at rest.
+template <class Shape>
+auto make_simulation(const Scene& s, silt::Particles<Shape> grains) {
+  silt::FlowSolver flow(
+      silt::Grid(domain(s).box(), {s.across, s.deep, s.high}, {false, true, false}), s.gas);
+  flow.set_side(2, 0, silt::Inflow{});
+  flow.set_side(2, 1, silt::Outflow{});
+  silt::Simulation sim{std::move(grains), silt::Contacts<Law>{s.material()}, domain(s),
+                       make_fluid<Shape>(s, std::move(flow))};
+  if (silt::BodyShape<Shape>) sim.fluid().least_voidage = 0.1;  // they lie denser than spheres
+  add_floor_and_walls(sim, s, s.material());
+  return sim;
+}
+
+/// The same, with heat: gas and grains begin at s.cold.
+inline auto make_hot_bed(const Scene& s, silt::Particles<silt::Sphere> grains) {
+  silt::FlowSolver flow(
+      silt::Grid(domain(s).box(), {s.across, s.deep, s.high}, {false, true, false}), s.gas);
+  flow.set_side(2, 0, silt::Inflow{});
+  flow.set_side(2, 1, silt::Outflow{});
+  flow.set_heat({.heat_capacity = s.gas_capacity,
+                 .conductivity = s.gas_conducts,
+                 .start_temperature = s.cold});
+  silt::Simulation sim{
+      std::move(grains), silt::Contacts<Law>{s.material()}, domain(s),
+      silt::CoupledFlow{silt::Gidaspow{}, silt::Kernel{.width = s.kernel}, std::move(flow)},
+      silt::Heat{silt::HeatConduction{.conductivity = s.conductivity,
+                                      .heat_capacity = s.grain_capacity,
+                                      .youngs_modulus = 63e9,  // [Pa] of glass
+                                      .start_temperature = s.cold},
+                 silt::FluidConvection<silt::Gunn>{}}};
+  add_floor_and_walls(sim, s, s.material());
+  return sim;
+}
 
 }  // namespace fluidised

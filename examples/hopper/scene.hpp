@@ -3,6 +3,12 @@
 
 // The hopper of D. Markauskas, A. Kaceniauskas, A. Maknickas, Information Technology and Control 40
 // (2011) 287, for one process (hopper.cpp) and for many (ranks.cpp).
+//
+//   hopper::Scene s;
+//   auto sim = hopper::make_simulation(s);
+//   sim.run(s.settling_time(), silt::progress());
+//   sim.remove_wall(hopper::lid);
+//   sim.run(2.0, silt::vtk_series("out", silt::every(0.02)), silt::progress());
 
 #include <algorithm>
 #include <array>

@@ -3,6 +3,10 @@
 
 // The jet mill's scene: a flat round chamber with four jets, a tube in the centre of its roof as
 // the outlet, and breaking grains of a synthetic material. `./run study comminution` uses it too.
+//
+//   jet_mill::Scene s;
+//   auto sim = jet_mill::make_simulation(s);
+//   sim.run(s.duration, silt::breakage_table("breakage.csv", silt::every(1e-3)));
 
 #include <algorithm>
 #include <array>
@@ -160,6 +164,17 @@ inline auto breakage(const Scene& s) {
       silt::GaudinSchuhmann{.exponent = 0.8, .coarsest = 0.8, .refining = 0.3},
       silt::PowerFatigue{.kappa = 0.1, .psi = 3},
       {.dust_below = s.dust, .most_fragments = s.most_fragments, .seed = s.seed}};
+}
+
+/// The chamber in its gas, empty at the start.
+inline auto make_simulation(const Scene& s) {
+  silt::CoupledFlow gas{silt::DiFelice{}, silt::Kernel{}, air(s)};
+  gas.diameter = s.feed, gas.most_steps = 200;
+  silt::Simulation sim{silt::Particles<silt::Sphere>{}, contacts(s), std::move(gas), breakage(s)};
+  furnish(sim, s);
+  // Large grains press fragments deeper into walls than impacts of equal grains do.
+  sim.guard.max_overlap = 0.89, sim.guard.max_travel = 0.1;
+  return sim;
 }
 
 }  // namespace jet_mill

@@ -1,8 +1,16 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The mixer: a vessel, two blades that are driven from below and can be raised, and grains of two
-// colours.
+// The mixer's scene: a vessel, two blades that are driven from below and can be raised, and grains
+// of two colours.
+//
+//   mixer::Scene s;
+//   mixer::charge(s, threads, "charged.silt");
+//   auto sim = mixer::make_mixer(s, threads);
+//   sim.remove_wall("chute");
+//   silt::load_checkpoint(sim, "charged.silt", {.motions = true});
+//   sim.set_motion("blade", mixer::turning(sim.time(), s.rate()));
+//   sim.run(s.turn(), silt::wall_series("blade.csv", "blade", silt::every(0.01)));
 
 #include <algorithm>
 #include <array>
@@ -119,6 +127,30 @@ inline auto make_mixer(const Scene& s, int threads) {
   sim.add_wall(silt::open_box({-half, -half, low}, {half, half, high}, {ZLow, ZHigh}), s.steel(),
                {.name = "chute"});
   return sim;
+}
+
+/// Drives the blades with a torque [N m].
+inline silt::ServoTorque motor(const Scene& s, double torque) {
+  return {.centre = {0, 0, 0},
+          .axis = {0, 0, 1},
+          .torque = torque,
+          .max_rate = 4 * s.rate(),
+          .gain = s.gain};
+}
+
+/// Fills the vessel through the chute, levels the bed by one turn of the blades, and colours it;
+/// runs go on from the file.
+inline void charge(const Scene& s, int threads, const std::string& file) {
+  auto sim = make_mixer(s, threads);
+  sim.run(s.filling());
+  sim.remove_wall("chute");
+  sim.set_motion("blade", turning(sim.time(), s.rate()));
+  sim.run(s.turn());
+  sim.set_motion("blade", {});
+  sim.run(0.3);
+  for (std::size_t k = 0; k < sim.rows(); ++k)
+    sim.set_material(sim.id(k), sim.position(k).x < 0 ? "blue" : "amber");
+  silt::save_checkpoint(sim, file);
 }
 
 }  // namespace mixer

@@ -1,7 +1,15 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The shear box: two halves, a pressing lid, and a sample of spheres.
+// The shear box: two halves, a pressing lid, and a sample of spheres. A test is
+//
+//   shear_box::Scene s;
+//   shear_box::prepare(s, true, threads, "dense.silt");
+//   auto sim = shear_box::make_box(s, true, threads);
+//   silt::load_checkpoint(sim, "dense.silt");
+//   shear_box::load_lid(sim, s, 50e3);  // [Pa]
+//   for (const char* wall : {"lower half", "floor"})
+//     sim.set_motion(wall, shear_box::shear_from(sim.time(), s.speed(), 0.01));
 
 #include <algorithm>
 #include <array>

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <vector>
+
+#include <silt/eigen.hpp>
 
 namespace example {
 
@@ -38,14 +41,13 @@ class Occupancy {
 
   /// Slope [degrees] of the middle of the surface: columns within half of the drum's radius.
   double angle() const {
-    double n = 0, x = 0, z = 0, xx = 0, xz = 0;
-    for (int k = 0; k < 2 * cells; ++k) {
-      const double at = place(k), height = surface(k);
-      if (std::abs(at) > 0.5 * radius_ || !std::isfinite(height)) continue;
-      n += 1, x += at, z += height, xx += at * at, xz += at * height;
-    }
-    return n > 2 ? std::abs(std::atan((n * xz - x * z) / (n * xx - x * x))) * 180 / std::numbers::pi
-                 : std::nan("");
+    std::vector<double> places, heights;  // [m]
+    for (int k = 0; k < 2 * cells; ++k)
+      if (std::abs(place(k)) <= 0.5 * radius_ && std::isfinite(surface(k)))
+        places.push_back(place(k)), heights.push_back(surface(k));
+    if (places.size() < 3) return std::nan("");
+    const double slope = silt::fit_straight_line(places, heights).slope;
+    return std::abs(std::atan(slope)) * 180 / std::numbers::pi;
   }
 
  private:

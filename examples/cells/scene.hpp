@@ -1,14 +1,19 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+// The scene of the triaxial test and the shear cell: spheres in a box that repeats on all sides and
+// deforms.
+//
+//   cells::Sample s;
+//   auto sim = cells::make_cell(s, threads);
+//   cells::compress(sim, s);
+//   cells::make_rough(sim);
+
+#include <algorithm>
 #include <cmath>
-#include <string>
 
 #include <silt/silt.hpp>
 
-#include "support/example.hpp"
-
-/// Common parts of the triaxial test and the shear cell: spheres in a deforming periodic box.
 namespace cells {
 
 using silt::Vec3d;
