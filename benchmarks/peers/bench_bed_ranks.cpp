@@ -32,6 +32,7 @@ void time(const silt::MpiComm& comm, const Timed& of, Precision precision) {
       bed(std::move(spheres), width, 1, silt::Ranks{MPI_COMM_WORLD, silt::Bisection{}}, precision);
   if (of.flows) sim.gravity = tilted;
   sim.run(of.warmup * time_step);
+  const auto before = sim.rank_loads();
   comm.barrier();
   const auto start = std::chrono::steady_clock::now();
   sim.run(of.steps * time_step);
@@ -45,10 +46,21 @@ void time(const silt::MpiComm& comm, const Timed& of, Precision precision) {
   const double contacts = static_cast<double>(sim.touching_pairs());
   const auto loads = sim.rank_loads();
   double ghosts = 0;
-  for (const auto& load : loads) ghosts += static_cast<double>(load.ghosts);
+  std::string shares;  // of the time, in percent, of each rank: ghosts, agreement, searches
+  for (std::size_t r = 0; r < loads.size(); ++r) {
+    const auto &then = before[r].seconds, &now = loads[r].seconds;
+    ghosts += static_cast<double>(loads[r].ghosts);
+    char words[64];
+    std::snprintf(words, sizeof words, " %.1f+%.1f+%.1f",
+                  100 * (now.ghosts - then.ghosts) / seconds,
+                  100 * (now.agreement - then.agreement) / seconds,
+                  100 * (now.searches - then.searches) / seconds);
+    shares += words;
+  }
   if (comm.rank() != 0) return;
-  std::printf("seconds %.6g kinetic_energy %.6g contacts %.0f ghosts %.0f overlap %.4g\n", seconds,
-              energy, contacts, ghosts, sim.largest_overlap());
+  std::printf(
+      "seconds %.6g kinetic_energy %.6g contacts %.0f ghosts %.0f overlap %.4g percent_of_time%s\n",
+      seconds, energy, contacts, ghosts, sim.largest_overlap(), shares.c_str());
   write(all.values, of.end);
 }
 

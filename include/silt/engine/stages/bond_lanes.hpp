@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of BondStage: a group of bonds in lanes, from the rows of their ends to the sums of loads.
+// Parts of BondStage: a group of bonds in SIMD lanes, from the rows of their ends to the load sums.
 
 #include <algorithm>
 #include <cstddef>
