@@ -33,6 +33,10 @@ int main() {
   const auto rings = silt::ring_loads(sim, mantle, 10);  // from the floor up
   const auto loads = silt::contact_loads(sim);
 
+  const auto mixed = silt::mixing(sim, {.side = 4e-3, .least = 5}, [&](std::size_t k) {
+    return sim.radius(k) < 1e-3;  // of the first kind
+  });
+
   double weight = 0, borne = 0, by_contacts = 0;  // [N]
   for (std::size_t k = 0; k < sim.rows(); ++k)
     weight += 9.81 * sim.mass(k), by_contacts += loads[k].force.z;
@@ -44,11 +48,15 @@ int main() {
   std::printf("stress zz %.3g Pa, pressure on the lowest ring %.3g Pa\n", stress.contact.zz,
               rings[0].pressure());
 
+  std::printf("Lacey's index of small and large %.2f; of random mixtures 1 +- %.2f\n", mixed.lacey,
+              mixed.lacey_scatter);
+
   // Fails if forces are of another step, or contacts are left out or counted twice: the loads on
   // floor and mantle are the sums over contacts, and together the weight.
   const bool right = std::abs(on_floor + borne - by_contacts) < 1e-9 * weight &&
                      std::abs(by_contacts / weight - 1) < 0.01 &&
-                     std::abs(fabric.trace() - 1) < 1e-9 && z.without_rattlers >= z.mean;
+                     std::abs(fabric.trace() - 1) < 1e-9 && z.without_rattlers >= z.mean &&
+                     std::abs(mixed.lacey - 1) < 5 * mixed.lacey_scatter;
   if (!right) std::printf("wrong: expected were %.5g N on floor and mantle\n", weight);
   return right ? 0 : 1;
 }

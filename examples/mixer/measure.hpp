@@ -13,7 +13,6 @@
 #include <string>
 #include <vector>
 
-#include "mixer/lacey.hpp"
 #include "mixer/scene.hpp"
 
 namespace mixer {
@@ -36,12 +35,32 @@ struct Kinds {
     }
   }
   template <class Sim>
-  Lacey mixed(const Sim& sim, const std::vector<bool>& kind) const {
-    Lacey lacey(side, corner);
-    for (std::size_t k = 0; k < sim.rows(); ++k) lacey.add(sim.position(k), kind[sim.id(k)]);
-    return lacey;
+  silt::Mixing mixed(const Sim& sim, const std::vector<bool>& kind) const {
+    return silt::mixing(sim, {.side = side, .corner = corner},
+                        [&](std::size_t k) { return kind[sim.id(k)]; });
   }
 };
+
+/// The mean of Lacey's index over random mixtures of these grains, and its standard error.
+inline std::array<double, 2> index_of_random(const std::vector<Vec3d>& places,
+                                             std::vector<bool> kinds,
+                                             const silt::MixingOptions& samples_at, int tries) {
+  silt::Random random(3);
+  double sum = 0, squares = 0;
+  for (int n = 0; n < tries; ++n) {
+    for (std::size_t k = kinds.size() - 1; k > 0; --k) {
+      const std::size_t other = random.index(k + 1);
+      const bool kind = kinds[k];
+      kinds[k] = kinds[other], kinds[other] = kind;
+    }
+    silt::MixingSamples samples(samples_at);
+    for (std::size_t k = 0; k < kinds.size(); ++k) samples.add(places[k], kinds[k]);
+    const double index = samples.mixing().lacey;
+    sum += index, squares += index * index;
+  }
+  const double mean = sum / tries;
+  return {mean, std::sqrt((squares / tries - mean * mean) / (tries - 1))};
+}
 
 /// Means over a stage of a run.
 struct Stage {
@@ -124,8 +143,8 @@ class Watch {
     return std::atan2(x.y, x.x);
   }
   void add_row() {
-    index_ = kinds_.mixed(sim_, kinds_.right).index();
-    layers_ = kinds_.mixed(sim_, kinds_.upper).index();
+    index_ = kinds_.mixed(sim_, kinds_.right).lacey;
+    layers_ = kinds_.mixed(sim_, kinds_.upper).lacey;
     table_.add_row({sim_.time() - start_, turns_, index_, layers_});
   }
 
@@ -152,9 +171,10 @@ void look_back(const Sim& sim, const Scene& s, const Kinds& kinds, Run& run) {
   }
   sim.for_each_contact([&](const silt::ContactSeen& c) { overlaps += c.overlap, ++contacts; });
   run.overlap = overlaps / contacts / (2 * s.grain);
-  run.random = index_of_random(places, kind, kinds.side, kinds.corner, 100);
+  run.random = index_of_random(places, kind, {.side = kinds.side, .corner = kinds.corner}, 100);
   const auto end = kinds.mixed(sim, kinds.right);
-  run.samples = end.samples(), run.grains_a_sample = end.grains_a_sample();
+  run.samples = static_cast<double>(end.samples);
+  run.grains_a_sample = static_cast<double>(end.particles) / run.samples;
 }
 
 }  // namespace mixer

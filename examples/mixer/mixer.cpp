@@ -32,8 +32,8 @@ Run mix(const Scene& s, const std::string& file, double target, double more,
   silt::load_checkpoint(sim, file, {.motions = true});
   const Kinds kinds(sim, s);
   run.mass_before = sim.total_mass();
-  run.start = kinds.mixed(sim, kinds.right).index();
-  run.start_layers = kinds.mixed(sim, kinds.upper).index();
+  run.start = kinds.mixed(sim, kinds.right).lacey;
+  run.start_layers = kinds.mixed(sim, kinds.upper).lacey;
   const bool pictures = target == 0;
   if (pictures) picture(sim, kinds, options.out + "/start");
   if (target == 0)

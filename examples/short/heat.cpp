@@ -33,9 +33,6 @@ int main() {
                                             .poisson_ratio = 0.33,
                                             .start_temperature = 300}};  // [K]
   sim.gravity = {0, 0, -9.81};
-  // [s] sufficient for the contacts. silt would choose a far shorter one because of the heat
-  // conduction: the heat capacity is small, and the contacts far larger than these.
-  sim.time_step = 1e-5;
   sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, metal, {.name = "hot"});
   sim.add_wall(silt::Plane{{length, 0, 0}, {-1, 0, 0}}, metal, {.name = "cold"});
   sim.add_wall(silt::box({-1, 0, 0}, {1, width, 3 * height}), metal, {.name = "insulated"});

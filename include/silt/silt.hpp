@@ -61,6 +61,7 @@
 #include <silt/io/scene_warnings.hpp>
 #include <silt/io/wall_series.hpp>
 #include <silt/measure/coordination.hpp>
+#include <silt/measure/mixing.hpp>
 #include <silt/measure/polynomial_fit.hpp>
 #include <silt/measure/side_view.hpp>
 #include <silt/measure/stress.hpp>

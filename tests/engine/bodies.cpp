@@ -210,6 +210,43 @@ TEST_CASE("Bodies flow in by an inlet, in random orientations, and out by an out
   CHECK(most > 0.1);
 }
 
+// Catches a size that is asked for though the form has one, and one that is not asked for of
+// spheres.
+TEST_CASE("Bodies that come without a radius have the size of their form as it was made") {
+  silt::Particles<MultiSphere> stones;
+  const auto a = stones.add_form(dumbbell), b = stones.add_form(tripod);
+  const Box region{{0, 0, 0}, {0.03, 0.03, 0.03}};
+  const double volume = stones.forms()[b].mass.volume;
+  stones.fill(region, {.density = 2500, .solid_volume = 20 * volume, .form = b});
+  REQUIRE(stones.size() == 20);
+  for (const auto& p : stones) CHECK(p.radius == stones.forms()[b].radius);
+  silt::Simulation sim{std::move(stones), silt::Contacts<HertzMindlin>{stone}};
+  sim.add_inlet(Box{{0, 0, 0.04}, {0.03, 0.03, 0.06}},
+                {.density = 2500,
+                 .rate = 1e4,
+                 .velocity = {0, 0, -1},
+                 .total = 30,
+                 .form = a,
+                 .recipe = {{.share = 0.5, .radius = 1e-3, .density = 2500, .form = b}}});
+  sim.run(5e-3);
+  std::size_t as_made = 0, small = 0;
+  for (std::size_t k = 20; k < sim.rows(); ++k)
+    as_made += sim.form(k) == a && sim.scale(k) == 1, small += sim.radius(k) == 1e-3;
+  CHECK(as_made > 5);
+  CHECK(small > 5);
+  CHECK(as_made + small == sim.rows() - 20);
+
+  silt::Particles<Sphere> spheres;
+  CHECK(has_words(
+      refusal<silt::InputError>([&] { spheres.fill(region, {.density = 2500, .count = 3}); }),
+      {"Fill.radius is not given: spheres have no size of their own; give a radius [m]"}));
+  spheres.add({.position = {0, 0, 0}, .radius = 1e-3, .density = 2500});
+  silt::Simulation balls{std::move(spheres), silt::Contacts<HertzMindlin>{stone}};
+  CHECK(has_words(
+      refusal<silt::InputError>([&] { balls.add_inlet(region, {.density = 2500, .rate = 1}); }),
+      {"InletFlow.radius is not given"}));
+}
+
 TEST_CASE("The books of bodies close") {
   auto sim = heap(40, silt::EnergyLedger{});
   sim.run(0);

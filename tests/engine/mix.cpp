@@ -183,6 +183,18 @@ TEST_CASE("Bodies of all shapes that tumble in a box never gain energy") {
   CHECK(totals(sim).energy < 0.5 * start);
 }
 
+TEST_CASE("A mix is filled with bodies as they were made; its spheres need a radius") {
+  silt::Particles<Grains> grains;
+  add_forms(grains);
+  const Box region{{0, 0, 0}, {0.012, 0.012, 0.1}};
+  grains.fill(region, {.density = 2500, .count = 5, .form = 4});
+  for (const auto& p : grains) CHECK(p.radius == grains.forms()[4].radius);
+  CHECK(has_words(refusal<silt::InputError>(
+                      [&] { grains.fill(region, {.density = 2500, .count = 5, .form = 0}); }),
+                  {"Fill.radius is not given: the form of a Sphere has no size of its own"}));
+  CHECK(grains.size() == 5);
+}
+
 TEST_CASE("A block on a slope stays, blocks stacked ten high stay, and cards lean on each other") {
   const silt::Particles<Polyhedron>::Particle at_rest{.position = {0, 0, 0}, .density = 2500};
   SUBCASE("slope") {

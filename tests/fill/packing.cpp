@@ -302,6 +302,12 @@ TEST_CASE("packing: requests that make no sense are refused by name") {
        {{{not_a_number, 0, 0}, 1}});
 }
 
+TEST_CASE("packing: a request without a radius is refused") {
+  CHECK(refusal([] {
+          silt::pack(Box{{0, 0, 0}, {1, 1, 1}}, FillRequest{.count = 3});
+        }).find("FillRequest.radius is not given: spheres have no size of their own") == 0);
+}
+
 TEST_CASE("packing: try_place fills an inlet until no place is left, around what is there") {
   const CylinderRegion inlet{.from = {0, 0, 0.1}, .to = {0, 0, 0.12}, .radius = 0.02};
   silt::SphereGrid grid;

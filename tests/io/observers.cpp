@@ -323,9 +323,10 @@ TEST_CASE("vtk_series: frames say their time and hold every particle with its fi
   const auto names = frame.find("Name=\"Points\"");
   const auto offset = std::stoul(frame.substr(frame.find("offset=\"", names) + 8));
   const char* points = frame.data() + frame.find("\n_") + 2 + offset + 8;
-  // Of the walls' planes the floor alone lies among the particles.
+  // The box is drawn whole: six sides of two triangles, the same in each frame.
   CHECK(
-      has_words(silt::detail::read_file(folder / "walls_000000100.vtp"), {"NumberOfPolys=\"2\""}));
+      has_words(silt::detail::read_file(folder / "walls_000000000.vtp"), {"NumberOfPolys=\"12\""}));
+  CHECK(count_of("walls_000000000.vtp", silt::detail::read_file(folder / "walls.pvd")) == 3);
   auto again = scene();
   again.run(1e-3);
   for (std::size_t k = 0; k < again.rows(); ++k) {

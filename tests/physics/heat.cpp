@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -231,6 +232,70 @@ TEST_CASE("heat: a flux that is held for several steps is Euler's rule of their 
   CHECK(left(2e-3, 10, 0.6) ==
         near(100 * std::pow(1 - 3 * r, 98) * std::pow(1 - 2 * r, 2) * std::pow(1 - r, 2))
             .epsilon(1e-10));
+}
+
+// Catches a step that resolves conduction as a swing, or through wider contacts than real ones; a
+// limit that is not Euler's; a guard that is later than it.
+TEST_CASE(
+    "heat: silt's step of a chain is 3 R/a below Euler's limit, and longer ones are stopped") {
+  constexpr std::size_t n = 20;
+  const silt::HeatConduction heat{.conductivity = 50, .heat_capacity = 0.1, .flux_every = 1};
+  const double a = std::sqrt(0.5 * R * d), H = 2 * 50 * a, C = mass * 0.1;
+  // The fastest mode of a chain that is insulated at its ends: neighbours with opposite signs.
+  const double fastest = 2 * H / C * (1 + std::cos(std::numbers::pi / n)), limit = 2 / fastest;
+  const auto make = [&](const silt::HeatConduction& how) {
+    auto sim = chain(n, how);
+    for (std::size_t k = 0; k < n; ++k) {
+      sim.set_velocity(k, {0, 0, 1e-12});  // from none no step can be chosen
+      sim.field<silt::Temperature>(k) =
+          300 + std::cos(std::numbers::pi * (n - 1) * (static_cast<double>(k) + 0.5) / n);
+    }
+    return sim;
+  };
+  auto own = make(heat);
+  own.run(0);
+  CHECK(own.step_length() == near(C / (12 * 50 * R)).epsilon(1e-9));
+  CHECK(limit / own.step_length() == near(3 * R / a).epsilon(0.01));
+  // Contacts softer than their solid: narrower by the cube root of the moduli.
+  silt::HeatConduction narrow = heat;
+  narrow.youngs_modulus = 1e-11, narrow.poisson_ratio = 0.3;
+  auto softer = make(narrow);
+  softer.run(0);
+  CHECK(softer.step_length() == near(10 * own.step_length()).epsilon(1e-9));
+  // At Euler's limit: 400 steps.
+  const auto left = [&](double dt) {
+    auto sim = make(heat);
+    sim.time_step = dt, sim.guard.max_rate = 100;
+    sim.run(400 * dt);
+    return std::abs(temperature(sim, n / 2) - 300) /
+           std::abs(std::cos(std::numbers::pi * (n - 1) * (n / 2 + 0.5) / n));
+  };
+  CHECK(left(0.99 * limit) == near(std::pow(0.98, 400)).epsilon(1e-3));
+  CHECK(left(1.01 * limit) == near(std::pow(1.02, 400)).epsilon(1e-3));
+  // The guard: 1.25 over the bound 2 sum of H over m c of a bead with two partners.
+  const double guarded = 1.25 * C / (4 * H);
+  CHECK(guarded < limit);
+  auto longest = make(heat), longer = make(heat);
+  longest.time_step = 0.999 * guarded, longer.time_step = 1.001 * guarded;
+  longest.run(100 * guarded);
+  CHECK(std::abs(temperature(longest, 3) - 300) < 1);
+  CHECK(has(refusal([&] { longer.run(guarded); }), "guard.max_rate"));
+}
+
+// Catches a step by a particle's own conductivity where that of its partner limits the flow.
+TEST_CASE("heat: silt's step is that of the pairs of materials that may meet") {
+  silt::Contacts<silt::HertzMindlin, silt::SeveralMaterials> contacts{still};
+  contacts.add(still);
+  silt::Particles<silt::Sphere> p;
+  p.add({.position = {0, 0, 0}, .radius = R, .density = density, .velocity = {1e-12, 0, 0}});
+  p.add({.position = {1, 0, 0}, .radius = 2 * R, .density = density, .material = 1});
+  silt::HeatConduction heat{.conductivity = 50, .heat_capacity = 0.1};
+  heat.others = {{.conductivity = 0.5, .heat_capacity = 1e-4}};
+  silt::Simulation sim{std::move(p), contacts, heat};
+  sim.run(0);
+  // The large one, of the small capacity: touched by the metal, its pair has 2/(1/50 + 1/0.5).
+  const double k = 2 / (1 / 50.0 + 1 / 0.5);
+  CHECK(sim.step_length() == near(8 * mass * 1e-4 / (12 * k * 2 * R)).epsilon(1e-9));
 }
 
 // Catches a neighbour that goes on receiving from a particle which is no longer there.

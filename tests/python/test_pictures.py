@@ -612,6 +612,14 @@ class Captions(Refuses, unittest.TestCase):
         self.assertFalse(labels()[1], "the numbers were to run into each other before")
         style.tick_apart(bar, figure)
         self.assertTrue(labels()[0] >= 3 and labels()[1])
+        # Catches differences from an offset, "+2.93e2", in place of the numbers.
+        for low, high in ((293.1, 293.2), (101325.001, 101325.003), (-1e5 - 2, -1e5)):
+            offset = style.add_bar(figure, style.Normalize(low, high), style.COLOUR_MAP, "T [K]", [0.1, 0.6, 0.5, 0.2])
+            numbers = [float(one.get_text().replace("\N{MINUS SIGN}", "-")) for one in offset.ax.get_xticklabels()
+                       if one.get_text()]
+            self.assertTrue(all(low - 1 < number < high + 1 for number in numbers) and len(numbers) > 1, numbers)
+            self.assertEqual(offset.ax.get_xlabel(), "T [K]")
+            offset.remove()
         bar.mappable.set_clim(0, 2)
         style.tick_apart(bar, figure, whole=True)
         self.assertTrue(all(float(one.get_text()) == int(float(one.get_text()))
@@ -674,6 +682,15 @@ class Tables(Refuses, unittest.TestCase):
                 factor = figure.axes[-1].xaxis.get_offset_text()
                 self.assertFalse(factor.get_visible() and factor.get_text(), words)
                 style.plt.close(figure)
+
+    def test_numbers_at_axes_have_no_offset(self):
+        """Catches 0.1 and 0.2 beside "+2.93e2"."""
+        table = self.table("t.csv", "time [s],T [K]", (0, 293.1), (1, 293.1002), (2, 293.1001))
+        figure = self.figure("curves", table, "--x", "time", "--y", "T")
+        figure.canvas.draw()
+        axis = figure.axes[0].yaxis
+        self.assertEqual(axis.get_offset_text().get_text(), "")
+        self.assertTrue(all(one.get_text().startswith("293.") for one in axis.get_ticklabels()))
 
     def lines(self, *arguments):
         figure = self.figure("curves", *arguments)

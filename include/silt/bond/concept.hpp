@@ -97,7 +97,7 @@ struct BondSeen {
   std::uint64_t number = 0;  // [-] number of earlier bonds
   Vec3d from, to;            // [m] centre of b, or the point on the wall; centre of a
   Vec3d normal;              // [-] unit, from b to a
-  Vec3d force, couple;       // [N], [N m] of its springs on a; opposite on b
+  Vec3d force, couple;       // [N], [N m] of its springs on a, without its dashpots; opposite on b
   double load = 0;           // [-] over its strength: breaks above 1
   double energy = 0;         // [J] in its springs
 };

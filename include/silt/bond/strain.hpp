@@ -100,6 +100,15 @@ SILT_INLINE BondStrain<Real> strain_of(const BondRest<Real>& rest, const BondedE
   return strain_of(rest, ends, ends.orientation_i * conjugate(rest.turn));
 }
 
+/// Rates of a strain whose velocities are `ago` [s] older than its positions: with the arms of that
+/// time, so that a common rotation gives none, to second order in `ago`. With the arms of now the
+/// dashpots of a bond that is swung around would pull at it, to first order.
+template <class Real>
+SILT_INLINE void take_rates_of(const Real& ago, const BondedEnds<Real>& ends, BondStrain<Real>& s) {
+  const Vec3<Real>&w = ends.spin_i, &v = ends.spin_j;
+  s.shift_rate = s.shift_rate - (cross(w, cross(w, s.arm_i)) - cross(v, cross(v, s.arm_j))) * ago;
+}
+
 /// Loads from a force and a couple on i that follow from the strain (derivatives of an energy), and
 /// from those that follow from its rate (dashpots).
 template <class Real>

@@ -337,6 +337,12 @@ class VtkSeries {
 
   const std::string& path() const { return path_; }
   std::size_t frames() const { return frames_.size(); }
+  /// The file of the last frame; empty if there is none.
+  std::string last_file() const {
+    if (frames_.empty()) return {};
+    const std::size_t begin = list_.find(before_file_, frames_.back().begin) + before_file_.size();
+    return list_.substr(begin, list_.find('"', begin) - begin);
+  }
 
   /// Adds the file `file` (relative to the folder) as the state at `time` [s]. A frame at the time
   /// of the last one replaces it.

@@ -146,6 +146,17 @@ struct BodyForm : detail::SolidsOfForm<S> {
   std::uint64_t made_ = detail::next_form();
 };
 
+namespace detail {
+/// Radius of the bounding sphere of a form as it was made [m]. InputError if it has no size.
+template <class S>
+double size_as_made(const char* of, const BodyForm<S>& form) {
+  if constexpr (requires(const S& shape) { shape.has_size(); })
+    require(form.shape.has_size(), of, ".radius is not given: the form of a Sphere",
+            after_number(form.name), " has no size of its own; give a radius [m]");
+  return form.radius;
+}
+}  // namespace detail
+
 /// Random orientation, uniformly distributed.
 /// Source: K. Shoemake, in Graphics Gems III (1992) 124.
 inline Quaternion random_orientation(Random& random) {
@@ -212,9 +223,9 @@ class Particles<S> {
               detail::after_number(forms[p.form].name), " has no size of its own");
   }
 
-  /// Fills a region without overlap of bounding spheres, including those of existing particles. If
-  /// the request cannot be met, throws InputError and adds none; the message says how many would
-  /// fit, and why no more.
+  /// Fills a region without overlap of bounding spheres, including those of existing particles.
+  /// Without a radius the bodies have the size of their form as it was made. If the request cannot
+  /// be met, throws InputError and adds none; the message says how many would fit, and why no more.
   template <Region R>
   Particles& fill(const R& region, const Fill& fill) {
     require_positive("Fill.density", fill.density, "kg/m3");
@@ -225,6 +236,7 @@ class Particles<S> {
     std::vector<PlacedSphere> already;
     for (const auto& p : all_) already.push_back({p.position, p.radius});
     FillRequest request = fill.request();
+    if (!fill.radius.is_given()) request.radius = detail::size_as_made("Fill", form);
     request.solid_volume *=
         4.0 / 3 * std::numbers::pi * form.radius * form.radius * form.radius / form.mass.volume;
     const auto result = pack(region, request, already);

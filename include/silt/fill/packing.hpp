@@ -206,8 +206,16 @@ struct FillResult {
 
 namespace detail {
 
+/// `of`: the structure that the radius is a member of.
+inline void require_radius(const char* of, const SizeDistribution& radius) {
+  require(radius.is_given(), of,
+          ".radius is not given: spheres have no size of their own; give a radius [m], or a size "
+          "distribution such as uniform(1e-3, 2e-3)");
+}
+
 template <class R>
 void check(const R& place, const FillRequest& request) {
+  require_radius("FillRequest", request.radius);
   require_not_negative("FillRequest.gap", request.gap, "m");
   require_not_negative("FillRequest.solid_volume", request.solid_volume, "m3");
   require(request.trials > 0, "FillRequest.trials = 0 [-] must be at least 1");

@@ -17,8 +17,9 @@ namespace silt::inline SILT_TARGET {
 
 /// Request for a filling. Give `count` or `solid_volume`, or neither for as many as fit.
 struct Fill {
-  SizeDistribution radius;  // [m] of spheres; for bodies: of the bounding sphere
-  double density;           // [kg/m3]
+  SizeDistribution radius{};  // [m] of spheres; for bodies: of the bounding sphere, left out: as
+                              // the form was made
+  double density = 0;       // [kg/m3]
   std::size_t count = 0;    // [-] number of particles; 0: not used
   double solid_volume = 0;  // [m3] of all spheres; 0: not used
   Arrangement arrangement = Arrangement::Lattice;
@@ -94,6 +95,7 @@ class Particles {
   /// throws InputError and adds none; the message says how many would fit, and why no more.
   template <Region R>
   Particles& fill(const R& region, const Fill& fill) {
+    detail::require_radius("Fill", fill.radius);
     require_positive("Fill.density", fill.density, "kg/m3");
     require(fill.form == 0 && !fill.orientation,
             "Fill: spheres have neither form nor orientation; leave both out");

@@ -80,6 +80,8 @@ class SizeDistribution {
   using Law = std::variant<detail::UniformSizes, detail::NormalSizes, detail::LogNormalSizes,
                            detail::SizeClasses>;
 
+  /// Not given: bodies have the size of their form; spheres are refused.
+  SizeDistribution() : SizeDistribution(detail::UniformSizes{0, 0}, 0, 0, 0) {}
   SizeDistribution(double radius)  // implicit: {.radius = 1e-3}
       : SizeDistribution(detail::UniformSizes{radius, radius}, radius, radius,
                          radius * radius * radius) {
@@ -95,6 +97,7 @@ class SizeDistribution {
     const double radius = std::visit([&](const auto& law) { return law.sample(random); }, law_);
     return std::clamp(radius, min_, max_);  // only rounding can leave the interval
   }
+  bool is_given() const { return max_ > 0; }
   double min() const { return min_; }  // [m]
   double max() const { return max_; }  // [m]
   /// Mean volume of a sphere [m3], by number: n spheres have the volume n * mean_volume().

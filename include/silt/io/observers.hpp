@@ -1,6 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <memory>
@@ -10,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include <silt/files/atomic_file.hpp>
 #include <silt/files/csv_table.hpp>
 #include <silt/files/vtk.hpp>
 #include <silt/io/checkpoint.hpp>
@@ -31,6 +34,13 @@ inline auto checkpoints(std::string path, Schedule schedule) {
 }
 
 namespace detail {
+/// Removes a file if one written before has the same content: a continued series then refers to
+/// that, as one that was not interrupted does.
+[[gnu::cold]] inline bool replaced_by(const std::string& file, const std::string& before) {
+  if (file == before || !file_exists(before) || read_file(file) != read_file(before)) return false;
+  return ::unlink(file.c_str()) == 0;
+}
+
 /// Opens a new table. A run continued from a checkpoint keeps the rows of times before `first`, the
 /// time of the next row.
 template <class Sim>
@@ -119,19 +129,23 @@ class VtkSeriesObserver {
       sim.fluid().write(text(folder_, '/', name));
       flow_->add(sim.time(), name);
     }
-    if (sim.size() > 0 && sim.walls() > 0) write_walls_once(sim, file("walls"));
+    if (sim.walls() > 0) write_walls_once(sim, file("walls"));
     schedule_.mark(sim);
   }
 
  private:
   template <class Sim>
   void write_walls_once(const Sim& sim, const std::string& file) {
-    const Box around = detail::occupied(sim);
-    if (sim.rank() != 0) return;
+    const Box around = detail::wall_region(sim);
+    if (sim.rank() != 0 || detail::is_empty(around)) return;
     WallTriangles now = wall_triangles(sim, around);
     if (wall_file_.empty() || now != shown_) {
+      const std::string before = wall_file_.empty() ? walls_->last_file() : std::string();
       wall_file_ = file, shown_ = std::move(now);
-      write_walls(text(folder_, '/', wall_file_), shown_);
+      write_walls(text(folder_, '/', file), shown_);
+      if (!before.empty() &&
+          detail::replaced_by(text(folder_, '/', file), text(folder_, '/', before)))
+        wall_file_ = before;
     }
     walls_->add(sim.time(), wall_file_);
   }

@@ -8,6 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include <silt/boundary/outline.hpp>
@@ -15,27 +17,54 @@
 #include <silt/core/box.hpp>
 #include <silt/files/vtk.hpp>
 #include <silt/io/rank_files.hpp>
+#include <silt/io/wall_region.hpp>
 
 namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// Region [m] of the particles of a simulation, of all ranks (collective).
+/// Region [m] in which the planes of a simulation are drawn, by the particles of all ranks
+/// (collective); empty if there is nothing to be seen.
 template <class Sim>
-Box occupied(const Sim& sim) {
-  Box around;
+Box wall_region(const Sim& sim) {
+  Box centres;
   double largest = 0;  // [m]
   for (std::size_t k = 0; k < sim.rows(); ++k)
     if (sim.is_present(k)) {
-      around.include(sim.position(k));
+      centres.include(sim.position(k));
       largest = std::max(largest, sim.radius(k));
     }
   if constexpr (Sim::has_ranks) {
     sim.engine().ranks.meet("the region of particles");
-    around = sim.engine().ranks.union_of(around);
+    centres = sim.engine().ranks.union_of(centres);
     largest = sim.engine().ranks.max_of(largest);
   }
-  return around.grown(largest);
+  return region_of_scene(sim, centres, largest);
+}
+
+/// The part of a plane within `around` that is not behind other planes of its wall.
+[[gnu::cold]] inline Outline outline(const Plane& plane, const Box& around,
+                                     const std::vector<Plane>& of_wall) {
+  const Outline whole = outline(plane, around);
+  Outline part = whole;
+  const double tolerance = 1e-9 * norm(around.extent());  // [m]
+  for (const Plane& other : of_wall) {
+    std::vector<Vec3d> kept;
+    const auto height = [&](const Vec3d& p) { return dot(p - other.point, other.normal); };
+    for (std::size_t k = 0; k < part.points.size(); ++k) {
+      const Vec3d &p = part.points[k], &q = part.points[(k + 1) % part.points.size()];
+      const double hp = height(p), hq = height(q);
+      if (hp >= -tolerance) kept.push_back(p);
+      if ((hp > tolerance && hq < -tolerance) || (hp < -tolerance && hq > tolerance))
+        kept.push_back(p + (hp / (hp - hq)) * (q - p));
+    }
+    part.points = std::move(kept);
+  }
+  if (part.points.size() < 3) return whole;  // behind: drawn all the same, to be seen
+  part.triangles.clear();
+  for (std::uint32_t k = 1; k + 1 < part.points.size(); ++k)
+    part.triangles.push_back({0, k, k + 1});
+  return part;
 }
 
 }  // namespace detail
@@ -48,26 +77,30 @@ struct WallTriangles {
 
   bool operator==(const WallTriangles&) const = default;
 };
-/// The walls of a simulation as triangles; infinite ones are cut at the box [m].
+/// The walls of a simulation as triangles. Planes are cut at the box [m], and where they go behind
+/// another plane of the same wall.
 template <class Sim>
 WallTriangles wall_triangles(const Sim& sim, const Box& around) {
   WallTriangles out;
-  for (std::size_t w = 0; w < sim.walls(); ++w)
+  for (std::size_t w = 0; w < sim.walls(); ++w) {
+    const Pose& pose = sim.wall(w).pose;
+    const std::vector<Plane> planes = detail::planes_of(sim.wall(w));
+    std::size_t plane = 0;
+    const auto add = [&](const detail::Outline& seen, const auto& place) {
+      const auto first = static_cast<std::uint32_t>(out.points.size());
+      for (const auto& p : seen.points)
+        out.points.push_back(place(p)), out.wall.push_back(static_cast<std::uint32_t>(w));
+      for (const auto& t : seen.triangles)
+        out.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+    };
     for (const auto& surface : sim.wall(w).surfaces)
-      detail::visit_surface(surface, [&](const auto& s) {
-        const auto first = static_cast<std::uint32_t>(out.points.size());
-        const Pose& pose = sim.wall(w).pose;
-        Box seen;  // `around` in the wall's coordinates
-        for (int c = 0; c < 8; ++c)
-          seen.include(pose.to_body({c & 1 ? around.max.x : around.min.x,
-                                     c & 2 ? around.max.y : around.min.y,
-                                     c & 4 ? around.max.z : around.min.z}));
-        const auto [points, triangles] = detail::outline(s, seen);
-        for (const auto& p : points)
-          out.points.push_back(pose.to_space(p)), out.wall.push_back(static_cast<std::uint32_t>(w));
-        for (const auto& t : triangles)
-          out.triangles.push_back({first + t[0], first + t[1], first + t[2]});
-      });
+      if (std::holds_alternative<Plane>(surface))
+        add(detail::outline(planes[plane++], around, planes), [](const Vec3d& p) { return p; });
+      else
+        detail::visit_surface(surface, [&](const auto& s) {
+          add(detail::outline(s, around), [&](const Vec3d& p) { return pose.to_space(p); });
+        });
+  }
   return out;
 }
 
@@ -77,8 +110,10 @@ inline void write_walls(const std::string& file, const WallTriangles& walls) {
   write_vtp_triangles(file, walls.points, walls.triangles, fields);
 }
 /// Writes the walls at their present poses as triangles, with their numbers as the field `wall`.
-/// Planes are drawn within `around`, by default the region of the particles. InputError if there is
-/// nothing to write.
+/// Planes are drawn within `around`, by default the region of the scene: of the particles, inlets
+/// and finite walls, with planes that face each other in one wall, as those of box(), and with
+/// planes across an axis that are at most two extents of all this away. Periodic directions are
+/// drawn whole. InputError if there is nothing to write.
 template <class Sim>
 void write_walls(const std::string& file, const Sim& sim, const Box& around) {
   require(sim.walls() > 0, "write_walls: the simulation has no walls; add one, or leave this out");
@@ -88,10 +123,11 @@ void write_walls(const std::string& file, const Sim& sim, const Box& around) {
 }
 template <class Sim>
 void write_walls(const std::string& file, const Sim& sim) {
-  require(sim.size() > 0,
-          "write_walls: there are no particles whose region limits the planes; give a box as "
-          "the third argument");
-  write_walls(file, sim, detail::occupied(sim));
+  const Box around = detail::wall_region(sim);
+  require(sim.walls() == 0 || !detail::is_empty(around),
+          "write_walls: there are no particles and no finite walls whose region limits the planes; "
+          "give a box as the third argument");
+  write_walls(file, sim, around);
 }
 
 }  // namespace silt

@@ -129,6 +129,9 @@ struct WallGiven {
 ///   double rate(const Seen&, const Fields&, double slope) const;  // [1/s], slope: sum of flux()
 ///                                        // from 1 to 0 over the contacts of the particle, updated
 ///                                        // at intervals; before that rate(const Seen&)
+///   double rate(const Seen&, const Coefficients<double>&) const;
+///                                        // in place of rate(const Seen&): the largest over the
+///                                        // materials that the particle may touch
 ///   std::size_t flux_every = 10;                                // [steps] largest interval
 ///                                        // between calls of flux(), constant in between
 ///   Real share_of_loss(const Coefficients<Real>& p) const;      // [-] see below
@@ -255,6 +258,13 @@ concept FluxOnLanes = requires(const M& m, const Touching<Real>& c, const Real& 
              const typename CoefficientsOf<M>::template type<Real>& p, const Real& a) {
       { m.flux(c, p, a, a) } -> std::convertible_to<Real>;
     });
+/// Estimates how fast contacts of a pair of materials make a particle follow.
+template <class M>
+concept SaysRateOfPair = HasCoefficients<M> &&
+    requires(const M& m, const Seen& p,
+             const typename CoefficientsOf<M>::template type<double>& c) {
+  { m.rate(p, c) } -> std::convertible_to<double>;
+};
 template <class M>
 concept TakesLoss = HasCoefficients<M> &&
     requires(const M& m, const typename CoefficientsOf<M>::template type<double>& p) {

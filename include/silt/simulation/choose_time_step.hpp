@@ -100,6 +100,7 @@ void Simulation<Policies...>::share_scene() {
     auto& ranks = engine_.ranks;
     ranks.measure(engine_.particles);
     detail::SceneSize own;
+    engine_.set_flux_coefficients(modules_, contacts_);
     ranks.together("a look at the scene", [&] {
       for (std::size_t k = 0; k < rows(); ++k)
         if (is_present(k)) {

@@ -90,7 +90,8 @@ class OpeningAccess {
     check_form(sim().engine_, flow);
     refuse_outside(sim().domain_, region_of(region).bounds(), region_of(region).describe());
     sim().scene_changed_ = true;
-    return sim().openings_.add_inlet(region, with_number(sim().engine_, flow), sim().time_);
+    const InletFlow sized = with_radii(sim().engine_, flow);
+    return sim().openings_.add_inlet(region, with_number(sim().engine_, sized), sim().time_);
   }
   std::size_t add_inlet(const Box& region, const InletFlow& flow) {
     return add_inlet<Box>(region, flow);

@@ -139,7 +139,8 @@ void Simulation<Policies...>::forces(bool observed, [[maybe_unused]] std::size_t
   if constexpr (has_breakage) breaks_.weigh(engine_, this->breakage(), time_);
   if constexpr (has_breakage && has_ranks) engine_.breaks_due = !breaks_.due.empty();
   [[maybe_unused]] double bond_power = 0;
-  if constexpr (has_bonds) bond_power = bonds_.push(engine_, domain_, dt_);
+  if constexpr (has_bonds)
+    bond_power = bonds_.push(engine_, domain_, dt_, first_kick_ ? 0 : Integrator::lag * dt_);
   if constexpr (has_bonds && has_ranks) engine_.bonds_break = bonds_.any_overloaded();
   engine_.collect_fluxes();
   if constexpr (Modules::in_pairs) act_in_pairs();

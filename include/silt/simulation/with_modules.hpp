@@ -68,7 +68,7 @@ double Simulation<Policies...>::power_of_modules() const {
 }
 
 /// The longest step [s] that resolves module forces as well as contacts, with a 20th of half a
-/// period; infinite if modules do not give their rate.
+/// period, and fluxes with 1 over their estimated rate; infinite if modules do not give their rate.
 template <class... Policies>
 double Simulation<Policies...>::longest_module_step() const {
   using Stage = detail::ModuleStage<Modules, Domain>;

@@ -19,6 +19,9 @@ from matplotlib.lines import Line2D  # noqa: E402
 from matplotlib.ticker import (FuncFormatter, LogLocator, MaxNLocator, NullLocator,  # noqa: E402
                                ScalarFormatter)
 
+# Numbers at axes and colour bars as they are: 293.1 and 293.2, not 0.1 and 0.2 beside "+2.93e2".
+matplotlib.rcParams["axes.formatter.useoffset"] = False
+
 from ..errors import Error  # noqa: E402
 from ..names import split_unit  # noqa: E402
 from ..series import step_in, time_in_list  # noqa: E402

@@ -53,6 +53,7 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   void set_coefficients(const std::tuple<Ms...>& modules, const Contacts& contacts) {
     const std::size_t n = contacts.materials();
     const std::size_t of_particles = Contacts::several_materials ? n : 1;
+    others_ = n;
     (make_table<Ms>(modules, contacts, of_particles, n), ...);
   }
   /// The coming step. `ask`: fluxes are evaluated, else the last ones are held; `measure`: the
@@ -131,6 +132,15 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     return owner < slopes.size() ? slopes[owner] : 0;
   }
   bool measured() const { return measure_; }
+  /// A module's estimate for a particle: the largest rate [1/s] over the materials it may touch.
+  template <class M>
+  double largest_rate(const M& module, const Seen& p) const {
+    const auto& table = std::get<index_of<M>>(tables_).of_pair;
+    double most = 0;
+    for (std::size_t k = 0; k < others_ && p.material * others_ + k < table.size(); ++k)
+      most = std::max(most, double{module.rate(p, table[p.material * others_ + k])});
+    return most;
+  }
   /// Whether fluxes were evaluated in this step, so that the received sums are new.
   bool asked() const { return ask_; }
   /// Interval [steps] between evaluations, as set by the modules.
@@ -377,6 +387,7 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
 
   const std::tuple<Ms...>* modules_ = nullptr;
   bool ask_ = false, measure_ = false, renew_ = false;
+  std::size_t others_ = 1;  // entries of a material in the tables
   std::tuple<Table<Ms>...> tables_;
   Rows rows_[sizeof...(Ms) > 0 ? sizeof...(Ms) : 1];
 };

@@ -277,6 +277,20 @@ void check_form([[maybe_unused]] const Engine& e, const InletFlow& flow) {
       require(form == 0, of, form, ", but spheres have no form; leave it out");
   }
 }
+/// The flow with the sizes of the forms as they were made where it gives none.
+template <class Engine>
+InletFlow with_radii([[maybe_unused]] const Engine& e, InletFlow flow) {
+  for (std::size_t k = 0; k < flow.kinds(); ++k) {
+    SizeDistribution& radius = k == 0 ? flow.radius : flow.recipe[k - 1].radius;
+    const char* const of = k == 0 ? "InletFlow" : "InletShare";
+    if constexpr (Engine::of_bodies) {
+      if (!radius.is_given()) radius = size_as_made(of, e.mover.forms.at(flow.kind(k).form));
+    } else {
+      require_radius(of, radius);
+    }
+  }
+  return flow;
+}
 /// The flow with its mass rate converted to particles per second [1/s].
 template <class Engine>
 InletFlow with_number(const Engine& e, InletFlow flow) {

@@ -29,9 +29,9 @@ struct Outlet {
 
 /// A further kind of particles in the recipe of an inlet.
 struct InletShare {
-  double share;             // [-] number fraction; the rest is the inlet's own kind
-  SizeDistribution radius;  // [m]
-  double density;           // [kg/m3]
+  double share;               // [-] number fraction; the rest is the inlet's own kind
+  SizeDistribution radius{};  // [m] as InletFlow::radius
+  double density = 0;         // [kg/m3]
   std::size_t material = 0, form = 0;
 };
 
@@ -39,12 +39,13 @@ struct InletShare {
 /// region, where they touch neither particles nor walls; those without a free position wait for the
 /// next insertion. With a `mass_rate`, the number follows from the mean mass of a particle.
 struct InletFlow {
-  SizeDistribution radius;   // [m] for bodies, of the bounding sphere
-  double density;            // [kg/m3]
-  double rate = 0;           // [1/s] particles per second; or use mass_rate
-  Vec3d velocity{0, 0, 0};   // [m/s]
-  std::uint64_t total = 0;   // [-] stops after this number; 0: never
-  std::size_t material = 0;  // [-] index in the contacts' table
+  SizeDistribution radius{};  // [m] for bodies, of the bounding sphere; left out: as the form was
+                              // made
+  double density = 0;         // [kg/m3]
+  double rate = 0;            // [1/s] particles per second; or use mass_rate
+  Vec3d velocity{0, 0, 0};    // [m/s]
+  std::uint64_t total = 0;    // [-] stops after this number; 0: never
+  std::size_t material = 0;   // [-] index in the contacts' table
   std::uint64_t seed = 1;
   std::size_t trials = 200;             // [-] occupied positions tried for one sphere
   double interval = 0;                  // [s] between insertions; 0: time of flight over a diameter

@@ -18,15 +18,17 @@ namespace silt::inline SILT_TARGET::detail {
 template <class Model, class Domain, class Arch>
 template <class Engine>
 inline void BondStage<Model, Domain, Arch>::run_group(Engine& e, const Domain& domain,
-                                                      const typename List::Group& g, Done& done) {
+                                                      const typename List::Group& g, double ago,
+                                                      Done& done) {
   Block b;
   Real power(0);
+  const Real age(ago);
   const bool beyond_caches = e.particles.size() > 8000;
   for (std::size_t from = g.from; from < g.to; from += block) {
     const std::size_t count = std::min(block, g.to - from);
     gather(e, domain, from, count, beyond_caches, b);
     for (std::size_t k = 0; k < count; k += W)
-      if (const auto bits = run_pack(e, from + k, k, b, power))
+      if (const auto bits = run_pack(e, from + k, k, age, b, power))
         for (std::size_t lane = 0; lane < W; ++lane)
           if (bits >> lane & 1 && from + k + lane < g.to)
             done.over.push_back(static_cast<std::uint32_t>(from + k + lane));
@@ -111,11 +113,12 @@ SILT_INLINE void BondStage<Model, Domain, Arch>::put(const Vec3<Real>& v, double
 template <class Model, class Domain, class Arch>
 template <class Engine>
 __attribute__((flatten)) std::uint64_t BondStage<Model, Domain, Arch>::run_pack(
-    const Engine&, std::size_t of_list, std::size_t k, Block& b,
+    const Engine&, std::size_t of_list, std::size_t k, const Real& ago, Block& b,
     [[maybe_unused]] Real& power) const {
   const auto p =
       members_of<Pack<Real>, Real>([&](auto c) { return silt::load<Real>(b.ends[c] + k); });
-  const auto s = list.columns().strain(of_list, p.ends);
+  auto s = list.columns().strain(of_list, p.ends);
+  take_rates_of(ago, p.ends, s);
   const auto numbers = list.columns().template load_numbers<Real>(of_list);
   const auto a = model.answer(s, numbers);
   const auto l = loads_of(s, a.force, a.couple, a.rate_force, a.rate_couple);

@@ -57,9 +57,10 @@ class BondStage {
   }
 
   /// Adds the loads of bonds to the sums of their particles and to walls. Returns the power of
-  /// their dashpots [W] for the energy ledger.
+  /// their dashpots [W] for the energy ledger. `ago` [s]: age of the
+  /// velocities relative to the positions.
   template <class Engine>
-  double push(Engine& e, const Domain& domain, double dt) {
+  double push(Engine& e, const Domain& domain, double dt, double ago) {
     overloaded_.clear();
     if constexpr (Engine::of_ranks) fresh = false;
     follow(e);
@@ -70,7 +71,7 @@ class BondStage {
       for (std::size_t p = 0; p < groups.phases(); ++p) {
         const auto [from, to] = list.busy(groups.phase(p));
         e.team().for_parts(to - from, [&, first = from](std::size_t g) {
-          run_group(e, domain, list.group(first + g), done[first + g]);
+          run_group(e, domain, list.group(first + g), ago, done[first + g]);
           if constexpr (Engine::of_ranks)  // another rank has the bonds with ghosts too
             if (p >= groups.own_phases()) done[first + g].power *= 0.5;
         });
@@ -81,7 +82,7 @@ class BondStage {
           if (tells(e, k)) overloaded_.push_back({seen(e, domain, k, dt), k});
       }
     }
-    power += at_walls.push(e, domain, model, dt, [&](const BondSeen& what, std::size_t k) {
+    power += at_walls.push(e, domain, model, dt, ago, [&](const BondSeen& what, std::size_t k) {
       overloaded_.push_back({what, k});
     });
     return power;
@@ -258,7 +259,9 @@ class BondStage {
                 BondEnds when = BondEnds::AfterForces) const {
     const Bond b = list.bond(k);
     const auto ends = ends_at(e, domain, k);
-    BondSeen out = see_bond(model, strain_of(b.rest, ends), b.numbers, dt, when);
+    auto strain = strain_of(b.rest, ends);
+    take_rates_of(0.5 * dt, ends, strain);
+    BondSeen out = see_bond(model, strain, b.numbers, dt, when);
     out.a = b.i, out.b = b.j, out.number = b.number;
     out.to = e.particles.position[list.first()[k]].centre(), out.from = out.to - ends.apart;
     return out;
@@ -278,7 +281,8 @@ class BondStage {
   };
 
   template <class Engine>
-  void run_group(Engine& e, const Domain& domain, const typename List::Group& g, Done& done);
+  void run_group(Engine& e, const Domain& domain, const typename List::Group& g, double ago,
+                 Done& done);
   /// Transposes the rows of the ends of `count` bonds into lanes.
   template <class Engine>
   __attribute__((flatten)) void gather(Engine& e, const Domain& domain, std::size_t from,
@@ -293,7 +297,7 @@ class BondStage {
   /// Returns which of its bonds are overloaded.
   template <class Engine>
   __attribute__((flatten)) std::uint64_t run_pack(const Engine&, std::size_t of_list, std::size_t k,
-                                                  Block& b, Real& power) const;
+                                                  const Real& ago, Block& b, Real& power) const;
   /// Adds the loads in strides, because neighbours in the list share particles
   /// (PairPipeline::add_up).
   template <class Engine>

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -166,6 +167,12 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
 
  private:
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+  /// A field that follows fluxes decays, at most at its rate; Euler's rule is stable, and keeps it
+  /// between its neighbours' values, for steps of up to 2 over that. silt's own is 1 over the
+  /// estimate, where a swing has pi/20.
+  template <class M>
+  static constexpr bool only_decays = Exchanges<M>&& SaysItsFluxRate<M> && !Pushes<M>;
+  static constexpr double share_of_decays = std::numbers::pi / 20;
   static constexpr bool asks_for_velocity = ((Pushes<Ms> && needs_velocity<Ms>) || ...);
 
   /// Force [N] of the pair interactions of modules.
@@ -250,6 +257,7 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
   template <class M, class Engine>
   double rate_of_one(const Engine& e, const Seen& p, std::size_t k, OfFluxes of_fluxes) const {
     double rate = field_rate<M>(e, p, k, of_fluxes);
+    if (only_decays<M> && of_fluxes == OfFluxes::Estimated) rate *= share_of_decays;
     if constexpr (SaysPairStiffness<M>)
       if (std::isfinite(p.mass)) rate += near.template rate<M>(k, p.mass);
     return rate;
@@ -267,8 +275,12 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
         return get<M>().rate(p, fields_of<M>(columns, k), slope);
       }
     }
-    if constexpr (requires { get<M>().rate(p); }) {
-      double rate = get<M>().rate(p);
+    if constexpr (SaysRateOfPair<M> || requires { get<M>().rate(p); }) {
+      double rate;
+      if constexpr (SaysRateOfPair<M>)
+        rate = e.fluxes().template largest_rate<M>(get<M>(), p);
+      else
+        rate = get<M>().rate(p);
       if constexpr (SaysItsFluxRate<M> && SaysPairSlope<M>) {
         const auto& own = fields_of<M>(columns, k);
         rate += get<M>().rate(p, own, near.template slope<M>(k)) - get<M>().rate(p, own, 0.0);

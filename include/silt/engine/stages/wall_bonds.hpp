@@ -78,13 +78,16 @@ class WallBonds {
   /// Adds the loads of all bonds to particles and walls; over(seen, place) is called for those that
   /// are overloaded. Returns the power of dashpots [W].
   template <class Engine, class Domain, class Over>
-  double push(Engine& e, const Domain& domain, const Model& model, double dt, const Over& over) {
+  double push(Engine& e, const Domain& domain, const Model& model, double dt, double ago,
+              const Over& over) {
     double power = 0;
     for (std::size_t k = 0; k < all.size(); ++k) {
       const Bond& b = all[k];
       Wall& wall = e.walls[b.wall];
       const std::size_t row = e.find(b.i);
-      const auto s = strain_of(b.rest, ends_at(e, domain, b, dt));
+      const auto ends = ends_at(e, domain, b, dt);
+      auto s = strain_of(b.rest, ends);
+      take_rates_of(ago, ends, s);
       const auto a = model.answer(s, b.numbers);
       const auto l = loads_of(s, a.force, a.couple, a.rate_force, a.rate_couple);
       const double inv_r = e.particles.motion[row].inv_r;
@@ -103,7 +106,9 @@ class WallBonds {
                 BondEnds when = BondEnds::AfterForces) const {
     const Bond& b = all[k];
     const auto ends = ends_at(e, domain, b, dt);
-    BondSeen out = see_bond(model, strain_of(b.rest, ends), b.numbers, dt, when);
+    auto strain = strain_of(b.rest, ends);
+    take_rates_of(0.5 * dt, ends, strain);
+    BondSeen out = see_bond(model, strain, b.numbers, dt, when);
     out.a = b.i, out.wall = b.wall, out.number = b.number;
     out.to = e.particles.position[e.find(b.i)].centre(), out.from = out.to - ends.apart;
     return out;

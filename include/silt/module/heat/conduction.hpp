@@ -39,9 +39,10 @@ struct HertzCircle {
 /// factor of (2) corrects for contacts that are softer than their solids: at equal force F = 4/3 E*
 /// a^3/R* the real circle is smaller by this factor. With Softened the factor is known; otherwise
 /// give the real `youngs_modulus`. Without it soft contacts conduct too much: 4.6 times at a
-/// modulus 100 times smaller. (3) is integrated by Euler's method. The automatic time step resolves
-/// it, and a run with a longer step is stopped (guard.max_rate against twice the sum of H over m c,
-/// the bound of the fastest decay).
+/// modulus 100 times smaller. (3) is integrated by Euler's method, which is stable for steps up to
+/// 2 over the fastest decay; that is at most twice the sum of H over m c, by Gershgorin. The
+/// automatic time step is at most 1 over an estimate of this bound. A run with a longer step than
+/// guard.max_rate (1.25) over the bound itself is stopped.
 ///
 /// `walls`: held_at(), heated_by() or insulated(), for wall 0, 1, ... in order, or by name:
 /// {{"drum", held_at(400)}}; all other walls are insulated. Simulation::set_wall_heat() changes a
@@ -116,9 +117,10 @@ struct HeatConductionBy {
   }
   /// [J/K]
   double capacity(const Seen& p) const { return p.mass * material(p.material).heat_capacity; }
-  /// Before contacts are known: twelve, with circles of a quarter of the radius.
-  double rate(const Seen& p) const {
-    return 12 * material(p.material).conductivity * p.radius / capacity(p);
+  /// Before contacts are known: twelve, with circles of a quarter of the radius, narrowed as in (2)
+  /// where `youngs_modulus` is given.
+  double rate(const Seen& p, const Coefficients<double>& c) const {
+    return 12 * c.conductivity * c.narrower * p.radius / capacity(p);
   }
   double rate(const Seen& p, const Fields&, double H) const { return 2 * H / capacity(p); }
 

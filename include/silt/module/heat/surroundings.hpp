@@ -184,8 +184,8 @@ struct Heat : Base {
         parts);
     Base::update(p, f, received, dt);
   }
-  double rate(const Seen& p) const {
-    return Base::rate(p) + slope(p, this->start_temperature) / this->capacity(p);
+  double rate(const Seen& p, const typename Base::template Coefficients<double>& c) const {
+    return Base::rate(p, c) + slope(p, this->start_temperature) / this->capacity(p);
   }
   double rate(const Seen& p, const HeatFields& f, double H) const {
     return Base::rate(p, f, H) + slope(p, f.temperature) / this->capacity(p);
