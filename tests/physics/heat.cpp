@@ -284,8 +284,11 @@ TEST_CASE(
 
 // Catches a step by a particle's own conductivity where that of its partner limits the flow.
 TEST_CASE("heat: silt's step is that of the pairs of materials that may meet") {
-  silt::Contacts<silt::HertzMindlin, silt::SeveralMaterials> contacts{still};
-  contacts.add(still);
+  silt::Contacts<silt::HertzMindlin, silt::SeveralMaterials> contacts{
+      {still,
+       {.youngs_modulus = 2e-14, .poisson_ratio = 0.3, .restitution = 0.9, .friction = 0.3}}};
+  contacts.set_pair(contacts.material(0), contacts.material(1),
+                    {.restitution = 0.9, .friction = 0});
   silt::Particles<silt::Sphere> p;
   p.add({.position = {0, 0, 0}, .radius = R, .density = density, .velocity = {1e-12, 0, 0}});
   p.add({.position = {1, 0, 0}, .radius = 2 * R, .density = density, .material = 1});
