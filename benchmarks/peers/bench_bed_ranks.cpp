@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// The bed of bench_bed on several processes of one thread each, by MPI:
-//   mpirun -np N bench_bed_ranks time FILE WARMUP STEPS RANKS double|mixed END level|tilted
+// The scenes of bench_bed on several processes of one thread each, by MPI:
+//   mpirun -np N bench_bed_ranks time FILE WARMUP STEPS RANKS double|mixed END level|tilted|hopper
 // FILE, END and the line of results are those of bench_bed; RANKS must be N.
 
 #include <chrono>
@@ -12,6 +12,7 @@
 #include <silt/mpi.hpp>
 
 #include "bed_files.hpp"
+#include "bed_scenes.hpp"
 
 namespace {
 
@@ -20,17 +21,17 @@ using namespace bench;
 struct Timed {
   std::string file;
   double warmup, steps;
-  std::string end;
-  bool flows;
+  std::string end, scene;
 };
 
 template <class Precision>
 void time(const silt::MpiComm& comm, const Timed& of, Precision precision) {
   auto spheres = read(of.file);
-  const double width = width_for(spheres.size());
+  const std::size_t n = spheres.size();
+  const double width = width_for(n);
   auto sim =
       bed(std::move(spheres), width, 1, silt::Ranks{MPI_COMM_WORLD, silt::Bisection{}}, precision);
-  if (of.flows) sim.gravity = tilted;
+  set_scene(sim, of.scene, n);
   sim.run(of.warmup * time_step);
   comm.barrier();
   const auto start = std::chrono::steady_clock::now();
@@ -44,11 +45,16 @@ void time(const silt::MpiComm& comm, const Timed& of, Precision precision) {
   energy = sim.sum_over_ranks(energy);
   const double contacts = static_cast<double>(sim.touching_pairs());
   const auto loads = sim.rank_loads();
-  double ghosts = 0;
-  for (const auto& load : loads) ghosts += static_cast<double>(load.ghosts);
+  double ghosts = 0, work = 0, largest = 0;
+  for (const auto& load : loads) {
+    ghosts += static_cast<double>(load.ghosts);
+    work += load.work, largest = std::max(largest, load.work);
+  }
   if (comm.rank() != 0) return;
-  std::printf("seconds %.6g kinetic_energy %.6g contacts %.0f ghosts %.0f overlap %.4g\n", seconds,
-              energy, contacts, ghosts, sim.largest_overlap());
+  std::printf(
+      "seconds %.6g kinetic_energy %.6g contacts %.0f ghosts %.0f imbalance %.4g overlap %.4g\n",
+      seconds, energy, contacts, ghosts, largest * static_cast<double>(loads.size()) / work,
+      sim.largest_overlap());
   write(all.values, of.end);
 }
 
@@ -57,14 +63,12 @@ void time(const silt::MpiComm& comm, const Timed& of, Precision precision) {
 int main(int argc, char** argv) {
   silt::Mpi mpi(argc, argv);
   const silt::MpiComm comm = mpi.comm();
-  const std::string gravity = argc == 9 ? argv[8] : "";
-  silt::require(
-      argc == 9 && argv[1] == std::string("time") && (gravity == "level" || gravity == "tilted"),
-      "mpirun -np RANKS bench_bed_ranks time FILE WARMUP STEPS RANKS double|mixed END "
-      "level|tilted");
+  silt::require(argc == 9 && argv[1] == std::string("time") && is_scene(argv[8]),
+                "mpirun -np RANKS bench_bed_ranks time FILE WARMUP STEPS RANKS double|mixed END "
+                "level|tilted|hopper");
   silt::require(std::atoi(argv[5]) == comm.size(), "RANKS is ", argv[5],
                 ", and mpirun has started ", comm.size());
-  const Timed of{argv[2], std::stod(argv[3]), std::stod(argv[4]), argv[7], gravity == "tilted"};
+  const Timed of{argv[2], std::stod(argv[3]), std::stod(argv[4]), argv[7], argv[8]};
   if (argv[6] == std::string("mixed"))
     time(comm, of, silt::Mixed{});
   else
