@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The beds that the benchmarks share, of spheres or of bodies: Hertz, Tsuji damping, Mindlin spring
+// The beds shared by the benchmarks, of spheres or of bodies: Hertz, Tsuji damping, Mindlin spring
 // with the slip as history, Coulomb friction.
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Cost of a time step on a settled bed: what a scene leaves out, it does not pay for; and what each
-// law gains from lanes. Items are particle-steps.
+// Cost of a time step on a settled bed: features left out of a scene cost nothing; and the gain of
+// each law from SIMD lanes. Items are particle-steps.
 
 #include <cmath>
 #include <string>
@@ -15,7 +15,7 @@ namespace {
 
 using silt::Contacts;
 
-/// A bed in a box, at rest; `walls` false: on a floor that repeats in x and y.
+/// A bed in a box, at rest; `walls` false: on a floor that is periodic in x and y.
 template <class ContactsType, class... Policies>
 auto settled(const ContactsType& contacts, std::size_t n, double spread, Policies... policies) {
   const double width = std::cbrt(static_cast<double>(n)) * 2.2e-3;
@@ -131,8 +131,8 @@ void BM_hertz_mindlin_rolling_twisting(benchmark::State& s) {
 
 constexpr auto ms = benchmark::kMillisecond;
 
-/// Times a law on the lanes of this machine and on one lane: of a law of your own it shows whether
-/// the compiler makes of it what it makes of the others.
+/// Times a law on the lanes of this machine and on one lane: for a user-defined law it shows
+/// whether the compiler vectorises it as well as the others.
 template <class Law>
 bool compare_lanes(const std::string& name, const typename Law::Material& material) {
   const auto time = [&](const char* kind, auto... kernels) {

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
-// What a decomposition and a particle that passes to another rank cost, in units of the work that
-// Rebalance counts: processor times of two ranks that are threads, 50 000 spheres in a bed, with a
-// search in each step.
+// Cost of a decomposition and of a particle that migrates to another rank, in Rebalance's units of
+// work: processor times of two ranks that are threads, 50 000 spheres in a bed, with a search at
+// each step.
 //   clang++ -std=c++20 -O3 -march=native -I include benchmarks/rank_costs.cpp -pthread && ./a.out
 
 #include <cstdio>
@@ -23,7 +23,7 @@ double processor_time() {  // [s] of this thread
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-/// Two halves of the bed, whose plane moves by `shift` [m] at each search, to and fro; or
+/// Two halves of the bed, with a plane that moves by `shift` [m] at each search, back and forth; or
 /// Bisection.
 struct Halves {
   double shift = 0;
@@ -42,7 +42,7 @@ struct Halves {
   }
 };
 
-/// [s] a step of each rank, and the work of one; `searches`: in each step.
+/// [s] per step of each rank, and the work of one; `searches`: at each step.
 struct Cost {
   double time[2], work, moved;
 };

@@ -4,8 +4,9 @@
 
 A room may include itself and the rooms before it in ROOMS, never a later one. Rooms below `engine`
 are shut: only `simulation` opens them; tests and benchmarks may look in. Intrinsics stand in `core`
-alone. `rooms_check.py --self-test` shows that each of these rules can fail; `--draw` draws the rooms
-anew (docs/pictures/rooms.svg), which the check wants to be those of today.
+alone. Scenes of the large examples include silt and parts of the scene alone. `rooms_check.py
+--self-test` shows that each of these rules can fail; `--draw` draws the rooms anew
+(docs/pictures/rooms.svg), which the check wants to be those of today.
 """
 
 import pathlib
@@ -93,6 +94,15 @@ def faults_of_user(name, text):
             for other in re.findall(r'#include [<"]silt/(engine/[^>"]+)[>"]', text)]
 
 
+def faults_of_scene(name, text):
+    """What the scene of a large example may not include: it is to be copied with silt alone."""
+    folder = name.split("/")[1] + "/"
+    return [f"{name} includes {other}: a scene is copied with silt, the standard library and other "
+            "parts of the scene in its folder alone"
+            for other in re.findall(r'#include "([^"]+)"', text)
+            if not other.startswith(folder) or other.endswith(("measure.hpp", "report.hpp"))]
+
+
 def picture():
     """The rooms as SVG: a room may include its own floor's left side and all that lies below."""
     width, height, gap, left = 960, 46, 10, 20
@@ -138,6 +148,9 @@ def self_test():
     assert faults_of("search/nbs.hpp", "#include <silt/attic/old.hpp>")
     assert faults_of("search/nbs.hpp", "auto x = _mm256_add_pd(a, b);")
     assert faults_of_user("examples/a.cpp", "#include <silt/engine/checks/guard.hpp>")
+    assert faults_of_scene("examples/mill/scene.hpp", '#include "support/example.hpp"')
+    assert faults_of_scene("examples/mill/wet_scene.hpp", '#include "mill/measure.hpp"')
+    assert not faults_of_scene("examples/mill/scene.hpp", '#include "mill/drum.hpp"')
     assert not faults_of("simulation/axes.hpp", "#include <silt/engine/checks/guard.hpp>")
     assert not faults_of("engine/checks/guard.hpp", "#include <silt/engine/lists/pair_list.hpp>")
     assert not faults_of("core/row4.hpp", "#include <immintrin.h>")
@@ -155,6 +168,8 @@ def main():
     for folder in ("examples", "docs/code"):
         for path in sorted((ROOT / folder).rglob("*.[ch]pp")):
             faults += faults_of_user(path.relative_to(ROOT).as_posix(), path.read_text())
+    for path in sorted((ROOT / "examples").rglob("*scene.hpp")):
+        faults += faults_of_scene(path.relative_to(ROOT).as_posix(), path.read_text())
     print("\n".join(faults) if faults else f"{len(ROOMS)} rooms, no include leads upward")
     return 1 if faults else 0
 

@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
-// What additions to a scene cost: a settled bed with and without each of them, steps taken in turn
-// on one thread. Additions that only watch must leave the motion as it is, bit by bit.
+// Cost of additions to a scene: a settled bed with and without each of them, with alternating steps
+// on one thread. Additions that only observe must leave the motion bitwise unchanged.
 
 #include <algorithm>
 #include <cmath>
@@ -29,13 +29,13 @@ struct Rounds {
   std::string out;  // folder
 };
 
-/// What a turn costs with the addition over what it costs without, and whether they moved alike.
+/// Time of a turn with the addition over that without, and whether the motions were equal.
 struct Cost {
   double median, low, high;  // [-]
   std::size_t apart;         // particles that are at another place
 };
 
-/// Takes turns of two simulations of the same bed; `more` is given to the runs of the second.
+/// Alternates turns of two simulations of the same bed; `more` is given to the runs of the second.
 template <class Plain, class Richer, class... More>
 Cost compare(Plain& plain, Richer& richer, const Rounds& rounds, More&... more) {
   const auto turn = [&](auto& sim, auto&... observers) {
@@ -109,7 +109,7 @@ class Report {
       sim.template field<silt::Temperature>(sim.find(k)) = random.uniform(300, 400);
     return sim;
   }
-  /// Has charges of 1e-12 C and of both signs: forces of some 1e-9 N, beside weights of 1e-3.
+  /// Charges of 1e-12 C of both signs: forces of about 1e-9 N, compared with weights of 1e-3 N.
   template <class... Policies>
   auto charged_bed(Policies... policies) const {
     auto sim = bed(policies...);
@@ -130,24 +130,24 @@ class Report {
     summary_.result(key(name) + "_lower_quartile", cost.low);
     summary_.result(key(name) + "_upper_quartile", cost.high);
   }
-  /// The row of an addition that must not act on the motion.
+  /// The row of an addition that must not affect the motion.
   void row_of_watcher(const std::string& name, const Cost& cost) {
     row(name, cost);
     summary_.check_at_most(key(name) + "_particles_that_moved_otherwise",
                            static_cast<double>(cost.apart), 0);
   }
-  /// The heat of all particles is what it was: what one got another lost.
+  /// The heat of all particles is constant: exchanges cancel.
   template <class Sim>
   void check_heat(const std::string& name, Sim& sim, const std::pair<double, double>& before) {
     const auto [sum, spread] = temperatures(sim);
     summary_.check_within(key(name) + "_heat_after_over_before", sum / before.first, 1, 1e-12,
                           "sums of 10 000 fluxes a particle, each to rounding");
-    // 1.5e-7 less in 800 steps, as grains made soft touch in small real circles; 0 if nothing
-    // flows.
+    // 1.5e-7 less in 800 steps, as softened grains conduct through small real contact circles; 0 if
+    // nothing flows.
     summary_.check_at_most(key(name) + "_spread_of_temperatures_after_over_before",
                            spread / before.second, 1 - 5e-8);
   }
-  /// Mass times temperature of all [kg K], and the temperatures' standard deviation [K].
+  /// Sum of mass times temperature [kg K], and the standard deviation of the temperatures [K].
   template <class Sim>
   std::pair<double, double> temperatures(Sim& sim) const {
     double heat = 0, sum = 0, squares = 0;
@@ -255,8 +255,8 @@ void Report::wear() {
   row_of_watcher("wear of a floor that is a mesh", compare(plain, richer, rounds_));
 }
 
-/// A floor that ends at the faces of a periodic box, so that spheres there touch its images, beside
-/// one that reaches beyond all that they touch.
+/// A floor that ends at the faces of a periodic box, where spheres touch its images, beside a floor
+/// that reaches beyond all of them.
 void Report::images() {
   const double w = bench::width_for(n_);
   const auto on_floor = [&](double more) {
@@ -273,7 +273,7 @@ void Report::images() {
   row("images of a floor that ends at periodic faces", compare(plain, richer, rounds_));
 }
 
-/// Every contact of the bed is a bond in place of it; and a bed that may have bonds, but has none.
+/// Every contact of the bed is replaced by a bond; and a bed with the policy but without bonds.
 void Report::bonds() {
   const silt::Bonds glue{silt::ParallelBond{.youngs_modulus = 1e5}};  // for the beds' step
   {
@@ -292,7 +292,7 @@ void Report::bonds() {
                           static_cast<double>(made));
 }
 
-/// A simulation that somebody looks at, who does nothing, as often as the other one is acted on.
+/// A simulation with an observer that does nothing, called as often as the other one is modified.
 template <class Sim>
 struct Looked : Sim {
   silt::Schedule schedule;
@@ -301,8 +301,8 @@ struct Looked : Sim {
   }
 };
 
-/// A bed that may break, but does not; and one of whose grains 1 % break in 1000 steps, one by one,
-/// into up to 100 fragments each: what it costs holds the steps of all the fragments so far.
+/// A bed that can break but does not; and one in which 1 % of the grains break in 1000 steps, one
+/// by one, into up to 100 fragments each: its cost includes the steps of all fragments so far.
 void Report::breakage() {
   const silt::Breakage policy{
       silt::LogLogisticStrength{.median = 1e9, .at_diameter = 2e-3, .exponent = 0, .spread = 3},
@@ -348,7 +348,7 @@ int run(const example::Options& options, std::vector<std::size_t> sizes, std::si
       "(quartiles)\n",
       example::processor().c_str(), turns);
   for (const std::size_t n : sizes) {
-    // Twice a look at the contacts, or more of them.
+    // Twice the cost of reading the contacts, or more.
     const double steps = options.quick ? 200.0 : std::max(200.0, 5e6 / static_cast<double>(n));
     Report(summary, n, {static_cast<int>(turns), steps, options.out}).rows();
   }

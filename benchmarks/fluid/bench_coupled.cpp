@@ -1,10 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// What a fluid step costs on one thread: the flow solver alone, in a box with a bed in its lower
-// half, and CoupledFlow with 100 000 spheres in 20 480 cells, in each of its modes.
+// Cost of a fluid step on one thread: the flow solver alone, in a box with a bed in its lower half,
+// and CoupledFlow with 100 000 spheres in 20 480 cells, in each of its modes.
 //   bench_coupled [--quick] [--out DIR]
-// DIR/summary.json: all numbers, and checks that fluid and particles are in balance in all that is
-// timed: continuity, volume and momentum close, and no sphere is lost.
+// DIR/summary.json: all numbers, and checks that all timed balances of fluid and particles close:
+// continuity, volume and momentum, and that no sphere is lost.
 
 #include <algorithm>
 #include <cstdio>
@@ -28,14 +28,14 @@ int steps = 20;                // of each of the modes
 std::size_t spheres = 100000;  // in the bed
 int height = 80;               // [-] cells of the bed's grid
 
-/// Most that the closure of fluid and particles may be off.
+/// Largest allowed closure error of fluid and particles.
 void check(const std::string& name, const silt::FluidClosure& closure) {
   summary.check_at_most(name + "_volume_error", closure.volume, 1e-10);
   summary.check_at_most(name + "_momentum_error", closure.momentum, 1e-9);
   summary.check_at_most(name + "_continuity_error", closure.continuity, tolerance);
 }
 
-/// Processor time [s] so far: others may use the machine too.
+/// Processor time [s] so far: other programs may use the machine too.
 double now() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 /// Mean time [s] of a call.
@@ -117,8 +117,8 @@ void coupled(const char* name, const std::string& key, const Mode& mode) {
               1e3 * step, 1e3 * alone, 1e9 * (step - alone) / static_cast<double>(count));
 }
 
-/// The same bed in a Simulation, fallen and at rest but for what the gas stirs; with or without a
-/// fluid.
+/// The same bed in a Simulation, settled and at rest except for motion by the gas; with or without
+/// a fluid.
 template <class... Fluid>
 auto bed(const Fluid&... fluid) {
   const double d = 1e-3, a = 1.02 * d, width = 32 * d;
@@ -141,7 +141,7 @@ auto bed(const Fluid&... fluid) {
   return sim;
 }
 
-/// What of the time of a run is the fluid's, at 50 particle steps a fluid step.
+/// Fraction of the run time spent on the fluid, at 50 particle steps per fluid step.
 template <class Mode>
 void in_simulation(const char* name, const std::string& key, const Mode& mode) {
   const double h = 2e-3;
@@ -169,7 +169,8 @@ void in_simulation(const char* name, const std::string& key, const Mode& mode) {
   check(key, coupled.fluid().closure());
   summary.check_at_most(key + "_clipped", coupled.fluid().closure().clipped, 0);
   summary.check_at_most(key + "_lost", static_cast<double>(spheres - coupled.rows()), 0);
-  // The lowest of 104 layers bear 0.05 by Hertz at rest, and 0.12 as the lattice falls together.
+  // The lowest of 104 layers have overlaps of 0.05 by Hertz at rest, and 0.12 as the lattice
+  // collapses.
   summary.check_at_most(key + "_overlap_over_radius", coupled.peak_overlap(), 0.2);
 }
 

@@ -2,16 +2,16 @@
 //
 // The pressure solver beside hypre's Struct PCG preconditioned by PFMG, in one process on one core:
 // the same systems from p = 0 to |b - A p| / |b| <= 1e-8, repeats interleaved, medians. hypre runs
-// with each combination of its relaxations and coarse operators, twice, the first of which warms
-// up; the fastest in set-up and solve together counts: coefficients change in every step of a
-// coupled run, so that both set up anew in each. silt keeps its memory from step to step and hypre
-// makes its solver anew, as its set-up cannot be done twice. hypre is Debian's, compiled for any
-// machine of its kind.
+// with each combination of its relaxations and coarse operators, twice; the first run is a warm-up.
+// The combination with the shortest total of set-up and solve counts: in a coupled run coefficients
+// change at every step, and both solvers repeat their set-up at each. silt keeps its memory from
+// step to step; hypre creates a new solver, as its set-up cannot be repeated. hypre is Debian's,
+// compiled for generic machines.
 //
 //   bench_pressure [--repeats 5] [--quick] [--out DIR] [cells across ...]        default: 64 128
 //
-// Times are of the processor, not of the clock on the wall: other load then disturbs less.
-// DIR/summary.json: all numbers, and checks that both have solved the same system as well.
+// Processor times, not wall-clock times: less disturbed by other load. DIR/summary.json: all
+// numbers, and checks that both have solved the same system equally well.
 #include <HYPRE_struct_ls.h>
 #include <mpi.h>
 
@@ -163,8 +163,8 @@ class Hypre {
   HYPRE_StructVector b_, x_;
 };
 
-/// The largest difference of the gradients over faces of open cells, over the largest gradient: the
-/// pressure itself may be free by a constant.
+/// Largest difference of the gradients over faces of open cells, over the largest gradient: the
+/// pressure itself may be undetermined by a constant.
 double difference(const PressureCase& of, const silt::CellField& p, const silt::CellField& q) {
   double most = 0, largest = 0;
   const auto face = [&](double a, double dp, double dq) {

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// Bodies: of balls, super-ellipsoids, polyhedra, mixes; planes, meshes, periodic boxes.
+// Bodies: multi-spheres, superellipsoids, polyhedra, mixes; planes, meshes, periodic boxes.
 
 #include <silt/shape/compound.hpp>
 #include <silt/shape/mix.hpp>

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// Fluids: modes, drag that is oriented, forces, inflow.
+// Fluids: modes, orientation-dependent drag, forces, inflow.
 
 #include <silt/fluid.hpp>
 

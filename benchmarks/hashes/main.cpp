@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
-// Prints the hashes of all scenes, or with --times the seconds that a step of each takes; compare.sh
-// sets those of two versions side by side.
+// Prints the hashes of all scenes, or with --times the seconds per step of each; compare.sh shows
+// those of two versions side by side.
 
 #include <string_view>
 

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The state of a scene in one number: what was not meant to change a result must not change it.
+// The state of a scene as one number: detects unintended changes of results.
 
 #include <bit>
 #include <chrono>
@@ -27,8 +27,8 @@ class Hash {
   std::uint64_t value_ = 14695981039346656037u;
 };
 
-/// All that can be read of a simulation's state, in the order of ids; what contacts remember and
-/// what a fluid holds shows in the velocities of later steps.
+/// All readable state of a simulation, in the order of ids; contact history and fluid state affect
+/// the velocities of later steps.
 template <class Sim>
 std::uint64_t hash_of(const Sim& sim) {
   std::vector<std::pair<std::uint64_t, std::size_t>> by_id;
@@ -59,7 +59,7 @@ std::uint64_t hash_of(const Sim& sim) {
 /// Whether scenes are timed instead.
 inline bool timing = false;
 
-/// Prints what a step of the second half of a scene takes on one thread.
+/// Prints the time of a step in the second half of a scene on one thread.
 template <class Sim>
 void print_time(const char* name, double duration, Sim sim) {
   sim.threads = 1;

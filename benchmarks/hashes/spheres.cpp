@@ -49,13 +49,13 @@ auto several_materials() {
   return sim;
 }
 
-/// A turning cylinder, a cone, a mesh that shakes, an inlet and an outlet.
+/// A rotating cylinder, a cone, an oscillating mesh, an inlet and an outlet.
 auto openings() {
   silt::Simulation sim{grains(200),
                        silt::Contacts<Law, silt::RollingEpsd>{glass, {.rolling_friction = 0.05}}};
   sim.gravity = {0, 0, -9.81};
-  sim.add_wall(silt::Cylinder{{0.01, 0.01, -0.1}, {0.01, 0.01, 0.2}, 0.016, silt::Side::Inside}, glass,
-               silt::rotation({0.01, 0.01, 0}, {0, 0, 1}, 5.0));
+  sim.add_wall(silt::Cylinder{{0.01, 0.01, -0.1}, {0.01, 0.01, 0.2}, 0.016, silt::Side::Inside},
+               glass, silt::rotation({0.01, 0.01, 0}, {0, 0, 1}, 5.0));
   std::vector<std::array<silt::Vec3d, 3>> plate;
   for (int k = 0; k < 4; ++k) {
     const auto corner = [](int n) {

@@ -1,8 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The beds of spheres in data files of LAMMPS (atom style sphere), which all codes start from and
-// end with.
+// The beds of spheres in LAMMPS data files (atom style sphere): start and end states of all codes.
 
 #include <algorithm>
 #include <cmath>
@@ -43,7 +42,7 @@ struct SphereState {
   double radius;                                     // [m]
 };
 
-/// Of this rank, where there are several.
+/// Particles of this rank, if there are several.
 template <class Sim>
 std::vector<SphereState> states_of(const Sim& sim) {
   std::vector<SphereState> states;
@@ -53,7 +52,7 @@ std::vector<SphereState> states_of(const Sim& sim) {
   return states;
 }
 
-/// `room` [m]: of the box above the highest centre; peers lose spheres that leave it.
+/// `room` [m]: height of the box above the highest centre; peers lose spheres that leave it.
 inline void write(std::vector<SphereState> spheres, const std::string& path, double room = 0.02) {
   std::sort(spheres.begin(), spheres.end(),
             [](const auto& a, const auto& b) { return a.id < b.id; });

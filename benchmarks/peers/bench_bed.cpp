@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// The dense bed and the hopper that silt, LAMMPS and LIGGGHTS are timed on, see peers.py.
+// The dense bed and the hopper timed in silt, LAMMPS and LIGGGHTS (peers.py).
 //   bench_bed settle N STEPS FILE
 //     lets a lattice of N spheres collapse in a box for STEPS, from 0 on; writes FILE
 //   bench_bed flow FROM STEPS FILE

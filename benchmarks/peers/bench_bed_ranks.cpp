@@ -4,6 +4,7 @@
 //   mpirun -np N bench_bed_ranks time FILE WARMUP STEPS RANKS double|mixed END level|tilted|hopper
 // FILE, END and the line of results are those of bench_bed; RANKS must be N.
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -33,6 +34,7 @@ void time(const silt::MpiComm& comm, const Timed& of, Precision precision) {
       bed(std::move(spheres), width, 1, silt::Ranks{MPI_COMM_WORLD, silt::Bisection{}}, precision);
   set_scene(sim, of.scene, n);
   sim.run(of.warmup * time_step);
+  const auto before = sim.rank_loads();
   comm.barrier();
   const auto start = std::chrono::steady_clock::now();
   sim.run(of.steps * time_step);
@@ -46,15 +48,24 @@ void time(const silt::MpiComm& comm, const Timed& of, Precision precision) {
   const double contacts = static_cast<double>(sim.touching_pairs());
   const auto loads = sim.rank_loads();
   double ghosts = 0, work = 0, largest = 0;
-  for (const auto& load : loads) {
-    ghosts += static_cast<double>(load.ghosts);
-    work += load.work, largest = std::max(largest, load.work);
+  std::string shares;  // of the time, in percent, of each rank: ghosts, agreement, searches
+  for (std::size_t r = 0; r < loads.size(); ++r) {
+    const auto &then = before[r].seconds, &now = loads[r].seconds;
+    ghosts += static_cast<double>(loads[r].ghosts);
+    work += loads[r].work, largest = std::max(largest, loads[r].work);
+    char words[64];
+    std::snprintf(words, sizeof words, " %.1f+%.1f+%.1f",
+                  100 * (now.ghosts - then.ghosts) / seconds,
+                  100 * (now.agreement - then.agreement) / seconds,
+                  100 * (now.searches - then.searches) / seconds);
+    shares += words;
   }
   if (comm.rank() != 0) return;
   std::printf(
-      "seconds %.6g kinetic_energy %.6g contacts %.0f ghosts %.0f imbalance %.4g overlap %.4g\n",
+      "seconds %.6g kinetic_energy %.6g contacts %.0f ghosts %.0f imbalance %.4g overlap %.4g\n"
+      "percent_of_time%s\n",
       seconds, energy, contacts, ghosts, largest * static_cast<double>(loads.size()) / work,
-      sim.largest_overlap());
+      sim.largest_overlap(), shares.c_str());
   write(all.values, of.end);
 }
 

@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// The dense bed of bodies of eight balls that silt, LIGGGHTS and Yade are timed on, see shapes.py.
+// The dense bed of eight-sphere bodies timed in silt, LIGGGHTS and Yade (shapes.py).
 //   bench_bodies settle N STEPS FILE
 //     lets a lattice of N bodies collapse in a box for STEPS; writes where they come to rest
 //   bench_bodies time FILE WARMUP STEPS double|mixed shared|whole END

@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
-// SIDE WARMUP STEPS: a cube of SIDE^3 spheres on a lattice, bonded to their neighbours, that swings
-// along x (peers/bonds.py).
+// SIDE WARMUP STEPS: a cube of SIDE^3 spheres on a lattice, bonded to their neighbours, that
+// oscillates along x (peers/bonds.py).
 
 #include <chrono>
 #include <cstdio>

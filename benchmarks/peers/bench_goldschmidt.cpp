@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// The fluidised bed of OpenFOAM's tutorial DPMFoam/Goldschmidt, which silt and DPMFoam are timed
-// on, see fluid.py: 24 750 spheres of 2.5 mm in a box of 15 x 150 x 450 mm, 2 x 30 x 90 cells.
+// The fluidised bed of OpenFOAM's tutorial DPMFoam/Goldschmidt, timed in silt and DPMFoam
+// (fluid.py): 24 750 spheres of 2.5 mm in a box of 15 x 150 x 450 mm, 2 x 30 x 90 cells.
 //   bench_goldschmidt settle FILE
 //     fluidises a lattice until bubbles rise; writes the places of the spheres, 'x y z' a line
 //   bench_goldschmidt time FILE SECONDS centre|kernel SUBSTEPS END
@@ -10,8 +10,9 @@
 //     and is not timed. Prints one line of results; writes
 //     'time [s] pressure [Pa] height [m]' to END: mean pressure of the lowest cells, mean height of
 //     the spheres.
-// The same as there: Hertz's law with a dashpot, Coulomb friction, moduli, densities, drag of Ergun
-// and of Wen and Yu, model B (the pressure acts on the fluid alone, and the drag is over eps).
+// As in DPMFoam: Hertz's law with a dashpot, Coulomb friction, moduli, densities, drag of Ergun and
+// of Wen and Yu, model B (the pressure gradient acts on the fluid only, and the drag is divided by
+// eps).
 
 #include <chrono>
 #include <cmath>
@@ -58,15 +59,15 @@ silt::Particles<silt::Sphere> read(const std::string& path) {
 
 template <class Mode>
 auto bed(silt::Particles<silt::Sphere> spheres, const Mode& mode, double modulus) {
-  // As far as spheres' centres come, pressed into a plane: one that left the grid would take its
-  // volume out of the flow at once.
+  // The range of sphere centres, including overlap with a plane: a sphere outside the grid would
+  // remove its volume from the flow at once.
   const double reach = deep + 5e-5;
   silt::FlowSolver flow(silt::Grid({{-reach, -half, 0}, {reach, half, high}}, {2, 30, 90}),
                         {.density = 1.2, .viscosity = 1.2e-5}, {.model = silt::MomentumModel::B});
   flow.set_side(0, 0, silt::FreeSlip{}), flow.set_side(0, 1, silt::FreeSlip{});
   flow.set_side(2, 0, silt::Inflow{{0, 0, gas_velocity}});
   flow.set_side(2, 1, silt::Outflow{});
-  // The dashpots of alpha = 0.02 and 0.01 there.
+  // DPMFoam's dashpots of alpha = 0.02 and 0.01.
   const Law::Material glass{modulus, 0.35, 0.9723, 0.10}, wall{modulus, 0.23, 0.9860, 0.09};
   const Law::Material mirror{modulus, 0.35, 0.97, 0};
   silt::Contacts<Law> contacts{glass};
@@ -81,7 +82,7 @@ auto bed(silt::Particles<silt::Sphere> spheres, const Mode& mode, double modulus
   sim.add_wall(silt::Plane{{0, -half, 0}, {0, 1, 0}}, wall);
   sim.add_wall(silt::Plane{{0, half, 0}, {0, -1, 0}}, wall);
   sim.add_wall(silt::Plane{{0, 0, high}, {0, 0, -1}}, wall);  // the lattice splashes
-  // Planes of symmetry there, which spheres' centres may reach.
+  // Symmetry planes in DPMFoam, which sphere centres may reach.
   sim.add_wall(silt::Plane{{-deep - diameter / 2, 0, 0}, {1, 0, 0}}, mirror);
   sim.add_wall(silt::Plane{{deep + diameter / 2, 0, 0}, {-1, 0, 0}}, mirror);
   return sim;

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
-// Heat through a bed at rest, for heat.py: reads "x y z temperature" of spheres of one radius,
-// writes their temperatures after some steps. LIGGGHTS' circle, so that the same numbers are
-// wanted.
+// Heat conduction through a bed at rest, for heat.py: reads "x y z temperature" of spheres of one
+// radius, writes their temperatures after some steps. Uses LIGGGHTS' contact circle, for identical
+// results.
 //   bench_heat FILE radius density conductivity heat_capacity time_step steps OUT
 
 #include <chrono>
@@ -13,8 +13,8 @@
 #include <silt/module/heat/conduction.hpp>
 #include <silt/simulation.hpp>
 
-/// LIGGGHTS has Q = 2 k sqrt(A) with A the area of the circle in which two equal spheres cut each
-/// other: a is replaced by sqrt(A), A = pi (R^2 - r^2/4), r = 2 R - d the distance.
+/// LIGGGHTS has Q = 2 k sqrt(A) with A the area of the circle in which two equal spheres intersect:
+/// a is replaced by sqrt(A), A = pi (R^2 - r^2/4), r = 2 R - d the distance.
 struct CutCircle {
   template <class Real>
   static Real radius(const silt::Touching<Real>& c) {

@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
-// SIDE SUPPORT WARMUP STEPS KERNEL PRECISION THREADS FILE: a cube of SIDE^3 particles of water in a
-// vacuum, in eddies, with SUPPORT spacings of the kernel's support (peers/sph.py).
+// SIDE SUPPORT WARMUP STEPS KERNEL PRECISION THREADS FILE: a cube of SIDE^3 water particles in a
+// vacuum, with vortices; the kernel's support is SUPPORT spacings (peers/sph.py).
 // KERNEL is lucy, with LAMMPS' viscosity, or wendland; PRECISION double or mixed. FILE gets
 // place, velocity, density, acceleration and density rate of each particle in the first step.
 
@@ -20,7 +20,7 @@ namespace {
 
 using silt::Vec3d;
 
-/// That of LAMMPS: w = (1 + 3 s)(1 - s)^3, s = r/support = q/2.
+/// LAMMPS' kernel: w = (1 + 3 s)(1 - s)^3, s = r/support = q/2.
 /// Source: L. B. Lucy, Astron. J. 82 (1977) 1013, as in LAMMPS' pair_sph_taitwater.cpp.
 struct Lucy {
   static constexpr auto sph_axis = silt::SphAxis::Kernel;
@@ -40,7 +40,7 @@ struct Lucy {
   }
 };
 
-/// LAMMPS takes the support for h: mu = H v.r/(r^2 + 0.01 H^2).
+/// LAMMPS uses the support as h: mu = H v.r/(r^2 + 0.01 H^2).
 struct LammpsViscosity {
   double alpha;  // [-] of silt's h: twice that of LAMMPS
   static constexpr auto sph_axis = silt::SphAxis::Viscosity;
@@ -83,7 +83,7 @@ double peak_memory() {  // [MiB]
   return 0;
 }
 
-/// Shares of lanes that work on a pair, and what the lists hold, from those that silt makes.
+/// Share of lanes with a pair, and sizes of the lists, from lists built like silt's own.
 struct Listed {
   double neighbours, entries, lanes;  // a particle
 };

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Settled beds of 1 476 super-ellipsoids, as LIGGGHTS has its superquadrics in shapes.py, or of as
-// many spheres; see there.
+// Settled beds of 1 476 superellipsoids, as LIGGGHTS' superquadrics in shapes.py, or of as many
+// spheres; see there.
 //   bench_super_ellipsoids_bed settle FORM FILE
 //     lets a lattice collapse in a box for 30 000 steps; writes where it comes to rest
 //   bench_super_ellipsoids_bed time FORM FILE WARMUP STEPS END
@@ -36,8 +36,8 @@ struct Row {
   silt::Vec3d velocity, spin;
 };
 
-/// Rows on the lattice that LIGGGHTS makes; balls and spheres with a push aside, as their columns
-/// would stand.
+/// Rows on the lattice of LIGGGHTS; balls and spheres with a lateral displacement, as their columns
+/// would not collapse.
 std::vector<Row> lattice(bool pushed) {
   silt::Random random(1);
   std::vector<Row> rows;
@@ -122,7 +122,7 @@ void write(const Sim& sim, const std::string& path) {
   file.commit();
 }
 
-/// What to do with a bed, see above.
+/// The task for a bed, see above.
 struct Task {
   std::string mode, form, file, end;
   double warmup = 0, steps = 0;

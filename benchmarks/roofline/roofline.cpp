@@ -1,12 +1,11 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// What this machine can do, the bound that follows for a settled bed, and how far silt is from it,
-// stage by stage, on one thread; and what more threads gain, next to what as many runs of one
-// thread each gain that know nothing of each other: no more can be had from the machine at that
-// moment.
+// Limits of this machine, the resulting bound for a settled bed, and the distance of silt from it,
+// stage by stage, on one thread. Also the gain from more threads, compared with that of as many
+// independent single-thread runs, which is the most that the machine can give at that moment.
 //   roofline [N...] [--quick] [--out DIR]    spheres; default 5000 50000
-// DIR/summary.json: all numbers, and checks that what was timed is what it is called: a bed at
-// rest, whole, whose lists hold each contact, and no stage faster than its bound.
+// DIR/summary.json: all numbers, and checks that the timed scene is as stated: a bed at rest,
+// complete, whose lists contain each contact, and no stage faster than its bound.
 
 #include <algorithm>
 #include <chrono>
@@ -26,13 +25,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// What is printed stands in summary.json too.
+/// All printed values are also in summary.json.
 struct Report {
   example::Summary summary;
   bool quick = false;
 };
 
-/// Seconds that `work` takes, the least of `repeats`.
+/// Seconds of `work`, the minimum of `repeats`.
 template <class Work>
 double least_time(int repeats, const Work& work) {
   double least = 1e30;
@@ -49,13 +48,13 @@ void keep(const T& value) {
   asm volatile("" : : "g"(&value) : "memory");
 }
 
-// What is measured takes a fraction of a millisecond, as the stages do, and is repeated often:
-// other programs then leave some of the repeats alone.
+// Each measured piece takes a fraction of a millisecond, like the stages, and is repeated often:
+// some of the repeats are then undisturbed by other programs.
 constexpr std::size_t short_work = std::size_t{1} << 22;  // bytes
 int short_repeats(bool quick) { return quick ? 100 : 1000; }
 
-/// Bytes a second of a = a + s b over arrays of `bytes` together: two reads and a write, and no
-/// line is written that was not read, as in the stages of a step.
+/// Bytes per second of a = a + s b over arrays of `bytes` in total: two reads and a write. Every
+/// written line has been read, as in the stages of a step.
 double update(std::size_t bytes, bool quick) {
   const std::size_t n = bytes / (2 * sizeof(double));
   silt::AlignedVector<double> a(n, 1.0), b(n, 2.0);
@@ -69,7 +68,7 @@ double update(std::size_t bytes, bool quick) {
   return static_cast<double>(3 * sizeof(double) * n * rounds) / seconds;
 }
 
-/// Operations a second on packs of lanes, `chains` of them independent of each other.
+/// Operations per second on batches, with `chains` independent of each other.
 template <class Scalar, std::size_t chains, class Operation>
 double rate(const Operation& operation, bool quick) {
   using Real = typename silt::Lanes<silt::DefaultArch, Scalar>::Real;
@@ -90,7 +89,7 @@ struct Machine {
   std::vector<std::pair<std::size_t, double>> bandwidth;  // bytes of the arrays, bytes/s
   double flops, roots, divisions;                         // [1/s] in one scalar type
 
-  /// Of a working set of so many bytes, between the measured sizes.
+  /// For a working set of so many bytes, interpolated between the measured sizes.
   double bandwidth_for(double bytes) const {
     for (std::size_t k = 0; k + 1 < bandwidth.size(); ++k)
       if (bytes <= static_cast<double>(bandwidth[k].first)) return bandwidth[k].second;
@@ -136,13 +135,14 @@ void row(Report& report, const std::string& scene, const char* stage, double mea
   const std::string name = scene + "_" + stage;
   report.summary.result(name + "_ns", measured);
   report.summary.result(name + "_bound_ns", bound);
-  // A bound that is beaten has been counted wrongly, or the stage has not done its work. That by
-  // bytes is none where the working set lies in a nearer cache than the arrays that were measured.
+  // A stage faster than its bound means a wrong count, or a stage that did not do its work. The
+  // bound by bytes does not hold where the working set is in a nearer cache than the measured
+  // arrays.
   report.summary.check_at_least(name + "_over_bound_by_arithmetic",
                                 measured / std::max(by_flops, by_divider), 1);
 }
 
-/// The spheres of a simulation as they are now.
+/// The spheres of a simulation at present.
 template <class Sim>
 silt::Particles<silt::Sphere> copy_of(const Sim& sim) {
   silt::Particles<silt::Sphere> spheres;
@@ -155,7 +155,7 @@ silt::Particles<silt::Sphere> copy_of(const Sim& sim) {
   return spheres;
 }
 
-/// That the scene is what its rows say: at rest, whole, and all of its contacts in the lists.
+/// Checks that the scene is as stated in its rows: at rest, complete, all contacts in the lists.
 template <class Sim>
 void check_bed(Report& report, const std::string& scene, Sim& sim) {
   std::vector<silt::PositionRow> rows;
@@ -189,7 +189,8 @@ void check_bed(Report& report, const std::string& scene, Sim& sim) {
                                bench::time_step / *sim.time_step_limit(1.0), 1);
 }
 
-/// Particles in whose place, velocity or spin a run on all threads differs from one on one.
+/// Number of particles whose position, velocity or spin differs between runs on all threads and on
+/// one.
 template <class Sim, class Precision>
 std::size_t differ_by_threads(const Sim& sim, Precision precision) {
   auto one = bench::bed(copy_of(sim), 1, precision);
@@ -207,8 +208,8 @@ std::size_t differ_by_threads(const Sim& sim, Precision precision) {
   return differ;
 }
 
-/// How many times more steps a second a team of all threads makes than one thread; and as many
-/// threads that run one copy each. Medians of interleaved rounds.
+/// Steps per second of a team of all threads over those of one thread; and of as many threads that
+/// run one copy each. Medians of interleaved rounds.
 template <class Sim, class Precision>
 void show_threads(Report& report, const std::string& scene, Sim& sim, Precision precision,
                   int steps) {
@@ -270,7 +271,7 @@ void show(Report& report, std::size_t n, Precision precision, const Machine& mac
     };
     least(seconds[0], [&] { e.pair_forces(sim.domain(), times); });
     least(seconds[1], [&] { e.wall_forces(times); });
-    // No time passes: sums are read and cleared, rows are read and written as in a step.
+    // Time does not advance: sums are read and cleared, rows are read and written as in a step.
     least(seconds[2], [&] { e.integrate(Engine::Advance::KickAndDrift, {0, 0, 0}, 0, 0, false); });
   }
   const double prune = least_time(10, [&] {
@@ -308,7 +309,7 @@ void show(Report& report, std::size_t n, Precision precision, const Machine& mac
   report.summary.result(scene + "_step_ns", whole * ns);
   report.summary.result(scene + "_pruning_ns", prune * ns);
   report.summary.result(scene + "_search_ns", renew * ns);
-  // The stages are parts of a step; the least of 30 calls each, they are no slower than in it.
+  // The stages are parts of a step; as the minimum of 30 calls they are not slower than in it.
   report.summary.check_at_most(scene + "_stages_over_step",
                                (seconds[0] + seconds[1] + seconds[2]) / whole, 1.2);
   show_threads(report, scene, sim, precision,

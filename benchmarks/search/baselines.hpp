@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Searches to compare with. They live here and not in the library: none of them is ever the best.
+// Searches for comparison. They are here and not in the library: none of them is ever the best.
 
 #include <algorithm>
 #include <array>
@@ -27,7 +27,7 @@ using silt::SphereSet;
 using silt::Team;
 using Pairs = std::vector<IndexPair>;
 
-/// All cells of the bounding box, occupied or not: start of each in a counting sort, half stencil.
+/// All cells of the bounding box, occupied or not: cell starts by counting sort, half stencil.
 struct DenseGrid {
   template <class Domain>
   void find(const SphereSet& spheres, double reach, const Domain& domain, const Team& team,
@@ -69,7 +69,7 @@ struct DenseGrid {
   std::vector<std::uint32_t> start, order;
 };
 
-/// Spheres sorted along x; each meets those that begin before it ends.
+/// Spheres sorted along x; each is tested against those that begin before it ends.
 struct SweepAndPrune {
   template <class Domain>
   void find(const SphereSet& spheres, double reach, const Domain& domain, const Team&,
@@ -90,7 +90,7 @@ struct SweepAndPrune {
   std::vector<std::uint32_t> order;
 };
 
-/// Boxes halved in three directions down to 16 spheres, each with the box around its own.
+/// Boxes halved in three directions down to 16 spheres, each with its bounding box.
 struct Octree {
   template <class Domain>
   void find(const SphereSet& spheres, double reach, const Domain& domain, const Team&,
@@ -156,7 +156,7 @@ struct Octree {
 };
 
 #if defined(BENCH_NANOFLANN)
-/// nanoflann's k-d tree, asked for all points within the largest cutoff of each.
+/// nanoflann's k-d tree, queried for all points within the largest cutoff of each.
 struct KdTree {
   struct Points {
     const SphereSet& spheres;

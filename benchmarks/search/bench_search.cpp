@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// What a search costs, build and query together: ns a sphere (items are spheres); `build` [ns a
-// sphere] alone, of searches that have it apart; bytes a sphere that it holds besides the pairs;
-// how many pairs it has found, and a sum over them by which search.py sees whether all searches
-// have found the same ones. Single thread.
+// Cost of a search, build and query together: ns per sphere (items are spheres); `build` [ns per
+// sphere] alone, for searches with a separate build; bytes per sphere besides the pairs; the number
+// of pairs found, and a sum over them by which search.py checks that all searches have found the
+// same ones. Single thread.
 //   bench_search [--benchmark_filter=...]      Google Benchmark's options
 //   bench_search points SCENE N FILE           writes a scene as a LAMMPS data file, its spheres in
 //                                              the order in which HashedGrid has them
@@ -66,7 +66,7 @@ const std::vector<Scene>& scenes() {
   using Random = silt::Random;
   static const std::vector<Scene> all{
       {"dense bed", bench::dense_bed},
-      // Cells are 1.2 m wide: one in a thousand holds a sphere.
+      // Cells are 1.2 m wide: one in a thousand contains a sphere.
       {"cloud", [](std::size_t n, Random& r) { return bench::cloud(n, 1728, r); }},
       {"jets", bench::jets}};
   return all;
@@ -77,7 +77,7 @@ const std::vector<Scene>& sizes() {
     std::vector<Scene> made;
     for (const int ratio : {1, 2, 5, 10, 30, 100})
       for (const bool two : {true, false}) {
-        // From 1:30 on a bed of a few coarse ones would hold millions of fines.
+        // From 1:30 on a bed of a few coarse spheres would contain millions of fines.
         if (two && (ratio == 1 || ratio > 10)) continue;
         made.push_back({silt::text(two ? "two sizes 1:" : "fragments 1:", ratio),
                         [=](std::size_t n, Random& r) {
@@ -90,7 +90,7 @@ const std::vector<Scene>& sizes() {
   return all;
 }
 
-/// The last scene made, which several searches look at in turn.
+/// The last scene made; several searches use it in turn.
 const Rows& rows_of(const Scene& scene, std::size_t n) {
   static std::string last;
   static Rows rows;
@@ -101,7 +101,7 @@ const Rows& rows_of(const Scene& scene, std::size_t n) {
   return rows;
 }
 
-/// The least time of some calls [s].
+/// Minimum time of some calls [s].
 template <class Work>
 double least_time(const Work& work) {
   using Clock = std::chrono::steady_clock;
@@ -114,8 +114,7 @@ double least_time(const Work& work) {
   return least;
 }
 
-/// The same number for the same pairs in any order, of spheres numbered by `ids`; another for
-/// others.
+/// A checksum of the pairs that does not depend on their order, with spheres numbered by `ids`.
 double sum_of(const std::vector<silt::IndexPair>& pairs, const std::vector<std::uint32_t>& ids) {
   std::uint64_t sum = 0;
   for (const auto& [a, b] : pairs) {
@@ -158,8 +157,8 @@ void search(benchmark::State& state, Search finder, Rows rows) {
   if constexpr (requires { finder.report(); }) state.SetLabel(finder.report());
 }
 
-/// A cloud of `n` spheres, 4 cubic diameters each, that move by `travel` diameters a step in a box
-/// that repeats, and collide.
+/// A cloud of `n` spheres, 4 cubic diameters each, that move by `travel` diameters per step in a
+/// periodic box, and collide.
 template <class Search>
 void drive(benchmark::State& state, double travel) {
   constexpr std::size_t n = 20000;

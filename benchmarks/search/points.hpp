@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Where the spheres of the search benchmark are. All have a mean diameter of 1 m unless their sizes
-// differ, and come in random order.
+// Positions of the spheres of the search benchmark. All have a mean diameter of 1 m unless their
+// sizes differ, and are in random order.
 
 #include <algorithm>
 #include <cmath>
@@ -29,7 +29,7 @@ inline void shuffle(Rows& rows, silt::Random& random) {
   for (std::size_t k = rows.size(); k > 1; --k) std::swap(rows[k - 1], rows[random.index(k)]);
 }
 
-/// A shaken lattice as dense as a settled bed: solid fraction 0.6, radii +- 10 %.
+/// A randomised lattice as dense as a settled bed: solid fraction 0.6, radii +- 10 %.
 inline Rows dense_bed(std::size_t n, silt::Random& random) {
   const double spacing = std::cbrt(std::numbers::pi / 6 / 0.6);
   const auto side = static_cast<std::size_t>(std::ceil(std::cbrt(static_cast<double>(n)) - 1e-9));
@@ -45,7 +45,7 @@ inline Rows dense_bed(std::size_t n, silt::Random& random) {
   return rows;
 }
 
-/// Uniform in a cube of `volume` cubic diameters for each sphere.
+/// Uniform in a cube of `volume` cubic diameters per sphere.
 inline Rows cloud(std::size_t n, double volume, silt::Random& random) {
   const double side = std::cbrt(static_cast<double>(n) * volume);
   Rows rows;
@@ -55,8 +55,8 @@ inline Rows cloud(std::size_t n, double volume, silt::Random& random) {
   return rows;
 }
 
-/// Four narrow streams that leave the middle of a cube of 1000 cubic diameters a sphere, densest at
-/// their mouths.
+/// Four narrow streams from the middle of a cube of 1000 cubic diameters per sphere, densest at
+/// their origin.
 inline Rows jets(std::size_t n, silt::Random& random) {
   const double side = std::cbrt(1e3 * static_cast<double>(n));
   const double width = std::cbrt(static_cast<double>(n) / 4) / 4;
@@ -73,7 +73,7 @@ inline Rows jets(std::size_t n, silt::Random& random) {
   return rows;
 }
 
-/// Places spheres of given radii, the largest first, where they overlap none.
+/// Places spheres of given radii, the largest first, without overlap.
 class Packing {
  public:
   Packing(std::vector<double> radii, double solid_fraction, silt::Random& random) {
@@ -134,8 +134,8 @@ class Packing {
   Rows rows_;
 };
 
-/// A bed of coarse spheres of diameter `ratio`, solid fraction 0.35, its voids full of fines of
-/// diameter 1: about n together.
+/// A bed of coarse spheres of diameter `ratio`, solid fraction 0.35, with voids full of fines of
+/// diameter 1: about n in total.
 inline Rows two_sizes(std::size_t n, double ratio, silt::Random& random) {
   const double volume = std::numbers::pi / 6;
   const double fines = 0.6 * 0.65 / volume, coarse = 0.35 / (volume * ratio * ratio * ratio);
@@ -167,8 +167,8 @@ inline Rows two_sizes(std::size_t n, double ratio, silt::Random& random) {
   return rows;
 }
 
-/// Fragments: diameters d from 1 to `ratio`, as many above d as d^-2.5 (D. L. Turcotte, J. Geophys.
-/// Res. 91 (1986) 1921).
+/// Fragments: diameters d from 1 to `ratio`, with a number above d proportional to d^-2.5 (D. L.
+/// Turcotte, J. Geophys. Res. 91 (1986) 1921).
 inline Rows fragments(std::size_t n, double ratio, silt::Random& random) {
   std::vector<double> radii;
   const double last = std::pow(ratio, -2.5);

@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The searches of the benchmark. One of your own enters it by one line in for_each_search: any type
-// with the member find() of silt/search/concept.hpp.
+// The searches of the benchmark. Your own needs one line in for_each_search: any type with the
+// member find() of silt/search/concept.hpp.
 
 #include <silt/search/brute_force.hpp>
 #include <silt/search/cell_grid.hpp>
@@ -19,12 +19,12 @@ struct OneLevel : silt::HashedGrid {
   OneLevel() : HashedGrid(silt::one_level) {}
 };
 
-/// A search in the form in which a simulation uses it: on spheres that it has put in order before.
+/// A search as a simulation uses it: on spheres that it has sorted before.
 template <class Search>
 struct Ordered : Search {};
 
-/// No search of all pairs: ordered spheres in pieces of 10 000, one after the other. Shows what the
-/// same work takes while it stays in the caches near the core.
+/// No complete search: sorted spheres in blocks of 10 000, one after the other. Shows the time of
+/// the same work within the caches near the core.
 struct InPieces : Ordered<silt::HashedGrid> {
   template <class Domain>
   void find(const silt::SphereSet& spheres, double reach, const Domain& domain,

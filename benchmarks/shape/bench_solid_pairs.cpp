@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// touch_solids() on pairs of unlike kinds: ns a call for pairs that touch and moved by 1e-5 of
-// their size since (warm), for pairs that nearly touch, and for touching pairs without memory
-// (cold); 512 pairs of random bodies, so that no branch can be learnt.
+// touch_solids() on pairs of different kinds: ns per call for touching pairs that have moved by
+// 1e-5 of their size since the last call (warm), for near misses, and for touching pairs without
+// stored data (cold); 512 pairs of random bodies, to defeat branch prediction.
 
 #define DOCTEST_CONFIG_DISABLE
 #include "shape/solids.hpp"
@@ -15,7 +15,7 @@ using namespace solids;
 
 enum class Case { Warm, NearMiss, Cold };
 
-/// The gap [m] from j to i along their normal, or minus the overlap, made `gap`.
+/// Moves j so that the gap [m] from j to i along their normal, or minus the overlap, becomes `gap`.
 template <class A, class KindJ>
 Vec3d place_for(const A& i, const KindJ& kind, const Quaternion& turn, double gap, Random& random) {
   const Vec3d towards = random.direction();

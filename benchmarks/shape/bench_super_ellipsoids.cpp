@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Contact geometry of pairs of super-ellipsoids, time a pair: BM_<what>/<kernel>/<s>/<motion>
+// Contact geometry of pairs of superellipsoids, time per pair: BM_<what>/<kernel>/<s>/<motion>
 //   touch      1 % overlap, last normal known; every call moves the bodies by motion sizes and rad
 //   near_miss  1 % gap, last normal known, proved apart by it
 //   cold       1 % overlap, no last normal (one pair at a time)

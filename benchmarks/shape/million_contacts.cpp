@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Contacts of random and near-degenerate pairs of super-ellipsoids, to see that none is lost:
+// Contacts of random and near-degenerate pairs of superellipsoids, to check that none is missed:
 //   million_contacts [PAIRS] [SEED]
-// Each pair is solved without a last normal, then moved and solved in lanes with the last one.
-// Whether it touches is decided a second time by the convex problem along the centre line.
+// Each pair is solved without a stored normal, then moved and solved in lanes with the stored one.
+// A second method decides whether it touches: the convex problem along the centre line.
 
 #include <cstdio>
 #include <cstdlib>
@@ -30,7 +30,7 @@ struct Count {
     const auto ray = silt::find_ray_normal(pair, false);
     const auto D = silt::depth_along(pair, ray.direction);
     const double along = D.F / dot(ray.direction, pair.between) * norm(pair.between);
-    // Within rounding of the touching distance both answers are right.
+    // Within rounding of the touching distance both results are right.
     if (std::abs(along) > 1e-9 * size) wrong += touches != (along > 0);
     if (!ray.solved) ++unsolved;
   }

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Free elastic collisions of two super-ellipsoids: energy, momentum and angular momentum
-// afterwards, by step length, for three choices of overlap and normal:
+// Free elastic collisions of two superellipsoids: errors of energy, momentum and angular momentum,
+// by step length, for three choices of overlap and normal:
 //   common   least depth over all normals, R_eff of the first touch (the default)
 //   local    the same with R_eff of the place
 //   midway   the direction of the midway point (equal exponents), R_eff of the first touch

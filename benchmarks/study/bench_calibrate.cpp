@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// How many runs of a scene do silt::Calibration and CMA-ES need until one is as good as wanted?
-// Scenes with known parameters, in boxes; what counts is the misfit without noise, chi^2 <= 0.1,
-// and the parameters, each within 2 % of its bounds. Both draw their beginnings from the same box,
-// in 21 seeds. CMA-ES sees chi^2 alone, as is its nature; a calibration sees the outputs.
+// Number of runs of a scene that silt::Calibration and CMA-ES need to reach a target. Scenes with
+// known parameters, in boxes; the targets are the misfit without noise, chi^2 <= 0.1, and the
+// parameters, each within 2 % of its bounds. Both draw their initial points from the same box, with
+// 21 seeds. CMA-ES sees only chi^2, as it is designed to; a calibration sees the outputs.
 
 #include <algorithm>
 #include <cmath>
@@ -121,7 +121,7 @@ std::vector<Scene> scenes() {
   };
 }
 
-/// Counts runs of a scene until it is as good as wanted; the rest of the runs is not made.
+/// Counts runs of a scene until the target is reached; the remaining runs are not made.
 class Counter {
  public:
   Counter(const Scene& scene, std::uint64_t seed, std::size_t most)
@@ -149,7 +149,7 @@ class Counter {
   }
   bool done() const { return runs_ >= most_ || (by_misfit_ > 0 && by_parameters_ > 0); }
   const Values& wanted() const { return wanted_; }
-  /// Runs until the misfit, until the parameters were as wanted; `most` + 1 if never.
+  /// Runs until the misfit, and until the parameters reached the target; `most` + 1 if never.
   std::size_t by_misfit() const { return by_misfit_ > 0 ? by_misfit_ : most_ + 1; }
   std::size_t by_parameters() const { return by_parameters_ > 0 ? by_parameters_ : most_ + 1; }
 
@@ -198,7 +198,7 @@ Counter by_cma_es(const Scene& scene, std::uint64_t seed, std::size_t most) {
 struct Counts {
   std::vector<std::size_t> all;
   std::size_t most = 0;
-  /// As text: more than the limit where it was never reached.
+  /// As text: "more than" the limit if it was never reached.
   std::string at(double share) {
     std::sort(all.begin(), all.end());
     const auto n = all[static_cast<std::size_t>(share * static_cast<double>(all.size() - 1))];
@@ -208,9 +208,9 @@ struct Counts {
   std::string words() { return at(0.5) + " (" + at(0.25) + " to " + at(0.75) + ")"; }
 };
 
-/// CMA-ES as published: on the sphere in 10 dimensions some 1800 evaluations from a value of about
-/// 1 to 1e-9, on Rosenbrock's valley in 2 some 500; wrong constants take several times as many or
-/// never arrive. Catches a comparison with a lame opponent.
+/// CMA-ES as published: on the sphere in 10 dimensions about 1800 evaluations from a value of about
+/// 1 to 1e-9, on Rosenbrock's valley in 2 dimensions about 500; with wrong constants it needs
+/// several times as many or never converges. Ensures that the comparison uses a correct CMA-ES.
 std::pair<double, double> check_cma_es() {
   std::vector<double> sphere, valley;
   for (std::uint64_t seed = 1; seed <= 11; ++seed) {
@@ -269,7 +269,8 @@ int compare(const example::Options& options, std::size_t seeds) {
     summary.result(scene.name + ": about", scene.about);
     std::printf("%-12s %4.0f s\n", scene.name.c_str(), clock.seconds());
     std::fflush(stdout);
-    // A surrogate of outputs that are smooth is what this is for; fewer runs than half of CMA-ES'.
+    // Smooth outputs are the case for which a surrogate is made; fewer than half of the runs of
+    // CMA-ES.
     if (scene.name != "steps" && scene.name != "ripples")
       summary.check_at_least(scene.name + ": CMA-ES over calibration", ratio, 2);
   }

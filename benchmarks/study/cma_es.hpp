@@ -12,8 +12,8 @@
 #include <silt/core/eigen.hpp>
 #include <silt/core/random.hpp>
 
-/// The (mu/mu_w, lambda)-CMA-ES with default parameters in the unit cube, to compare calibrations
-/// with: the optimiser of choice where nothing is known of a function but its values.
+/// The (mu/mu_w, lambda)-CMA-ES with default parameters in the unit cube, for comparison with
+/// calibrations: the usual optimiser for functions known only by their values.
 ///
 /// Source: Hansen, "The CMA Evolution Strategy: A Tutorial" (arXiv:1604.00772), eqs. 5 to 58 and
 ///         table 1 without negative weights (active CMA left out); restarts with a doubled
@@ -26,8 +26,8 @@ struct Options {
   std::size_t most = 0;  // evaluations
 };
 
-/// Minimises `f` until it returns true in `done` or `most` evaluations are made; `f` is called for
-/// each candidate in turn and returns {value, stop}.
+/// Minimises `f`, which is called for each candidate in turn and returns {value, stop}; ends when
+/// stop is true or `most` evaluations are made.
 template <class Function>
 void minimise(const Function& f, std::size_t dimensions, const Options& options,
               silt::Random& random) {
@@ -99,7 +99,7 @@ void minimise(const Function& f, std::size_t dimensions, const Options& options,
       C = (1 - c_1 - c_mu + (h ? 0.0 : c_1 * c_c * (2 - c_c))) * C + c_1 * p_c * p_c.transpose() +
           c_mu * rank_mu;
       sigma *= std::exp(std::min(1.0, c_sigma / d_sigma * (p_sigma.norm() / expected - 1)));
-      // The tutorial's reasons to stop and begin anew: no progress, no step, a degenerate matrix.
+      // The tutorial's reasons for a restart: no progress, too small steps, a degenerate matrix.
       bests.push_back(all[0].first);
       if (bests.size() > 10 + static_cast<std::size_t>(30 * n / static_cast<double>(lambda)))
         bests.pop_front();

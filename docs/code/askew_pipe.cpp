@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Friction of turbulent air in pipes that lie askew in the cells, over Prandtl's: docs/fluid.md.
-// To be built with -O3 -march=native; arguments: cells a diameter (10), Re (4.6e4), times of
-// D/(U f) (2). Without them a quick run, for the suite; its status tells whether friction is near
-// Prandtl's.
+// Friction of turbulent air in pipes oblique to the cells, relative to Prandtl's law:
+// docs/fluid.md. Build with -O3 -march=native; arguments: cells per diameter (10), Re (4.6e4),
+// times of D/(U f) (2). Without them a quick run, for the test suite; the status says whether the
+// friction is near Prandtl's.
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +23,7 @@ double prandtl(double Re) {  // Darcy's friction factor
   return 1 / (s * s);
 }
 
-/// Of a pipe along (a, 0, b).
+/// For a pipe along (a, 0, b).
 template <class Closure>
 double friction(int a, int b, int cells, double Re, double times, const Closure& closure) {
   const double U = Re * mu / (rho * D), f = prandtl(Re), slope = f * 0.5 * rho * U * U / D;
@@ -64,8 +64,8 @@ int main(int argc, char** argv) {
                 k_epsilon);
     least = std::min({least, length, k_epsilon}), most = std::max({most, length, k_epsilon});
   }
-  // Catches walls that take nothing from the flow where they lie askew, or far more than a pipe
-  // does: from Prandtl's mean velocity, at which the run begins, the flow then moves away.
+  // Fails if oblique walls exert no friction, or far more than those of a pipe: the flow then moves
+  // away from Prandtl's mean velocity, at which the run begins.
   const double limit = times < 1 ? 1.3 : 1.45;
   if (least > 0.9 && most < limit) return 0;
   std::printf("wrong: friction over Prandtl's is %.2f to %.2f; it must be 0.9 to %.2f\n", least,

@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A conveyor belt (docs/walls.md): grains are dropped on it and reach its speed.
+// A conveyor belt (docs/walls.md): grains dropped on it reach its speed.
 
 #include <cmath>
 #include <cstdio>

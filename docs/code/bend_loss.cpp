@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// The loss of pressure in a bend of 90 degrees, R/D = 1, pipe of 50 mm, air at 14 m/s, and the
-// velocity one diameter behind it: docs/fluid.md. To be built with -O3 -march=native;
-// arguments: cells a diameter, k-epsilon or mixing-length, seconds of flow (0.07). Without them a
-// quick run, for the suite. The status tells whether the flow is that of a bend.
+// Pressure loss of a bend of 90 degrees, R/D = 1, in a pipe of 50 mm with air at 14 m/s, and the
+// velocity one diameter behind it: docs/fluid.md. Build with -O3 -march=native; arguments: cells
+// per diameter, k-epsilon or mixing-length, seconds of flow (0.07). Without them a quick run, for
+// the test suite. The status says whether the flow is that of a bend.
 
 #include <algorithm>
 #include <cmath>
@@ -62,7 +62,7 @@ int main(int argc, char** argv) {
     return sum / seen;
   };
   double drop[2] = {}, samples = 0, first = 1e-6;
-  const double far[2] = {3, 7};  // [D] behind the bend
+  const double far[2] = {3, 7};  // [D] downstream of the bend
   std::vector<double> profile(static_cast<std::size_t>(cells), 0.0);
   for (double t = 0; t < end;) {
     const double dt = std::min(first *= 1.05, 0.8 * std::min(flow.stable_step(), 0.3 * h / U));
@@ -95,9 +95,9 @@ int main(int argc, char** argv) {
   for (const double u : profile) std::printf(" %.2f", u / samples);
   std::printf("\n");
 
-  // Catches gas that cut cells lose or make; a pipe behind the bend whose walls take nothing or
-  // twice Prandtl's (4 D of it take 0.085 of the dynamic pressure); a bend that costs no more than
-  // a pipe; and a profile that stays flat, as if the gas did not leave the inner wall.
+  // Fails if cut cells lose or create gas; if the pipe behind the bend has no friction, or twice
+  // Prandtl's (4 D of it take 0.085 of the dynamic pressure); if the bend has no more loss than a
+  // pipe; and if the profile stays flat, as if the gas did not separate from the inner wall.
   const double inner = profile.front() / samples, outer = profile.back() / samples;
   const bool kept = std::abs(gained) < 1e-9;
   const bool lost = loss[0] > 0.2 && loss[0] < 0.45 && std::abs(loss[1] - loss[0]) < 0.06;

@@ -12,7 +12,7 @@ int main() {
   const double width = 0.03;  // [m]
   silt::Particles<silt::SuperEllipsoid> rods;
   rods.add_form(silt::SuperEllipsoid{.a = 3, .b = 1, .c = 1});
-  for (int k = 0; k < 3; ++k)  // level, askew and upright
+  for (int k = 0; k < 3; ++k)  // horizontal, inclined and upright
     rods.add({.position = {0.005 + 0.01 * k, 0.015, 0.025},
               .orientation = silt::rotation_about({0, 1, 0}, 0.785 * k),
               .radius = 1.5e-3,
@@ -30,10 +30,9 @@ int main() {
     std::printf("falls with %.4f m/s, glides with %.4f m/s\n", -sim.velocity(k).z,
                 sim.velocity(k).x);
 
-  // Catches drag that does not see how a rod lies (all alike; broadside must brake 1.15 times as
-  // much as along the axis at least, and at most twice), lift that is missing or points the wrong
-  // way (the askew rod glides to where its lower end points, the others do not), and no drag at
-  // all.
+  // Fails if drag does not depend on the orientation of a rod (broadside it must be 1.15 to 2 times
+  // that along the axis), if lift is missing or has the wrong direction (only the inclined rod
+  // glides, towards its lower end), or if there is no drag at all.
   const auto braked = [&](std::size_t k) {
     return 9.81 * sim.time() + sim.velocity(k).z;
   };  // [m/s]

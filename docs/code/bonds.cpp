@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// An agglomerate that is dropped on a plate, of docs/bonds.md: how much of it breaks.
+// An agglomerate dropped on a plate, of docs/bonds.md: how much of it breaks.
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// Grains that are thrown at a plate and break. From docs/breakage.md.
+// Grains hit a plate and break. From docs/breakage.md.
 #include <cmath>
 #include <iostream>
 

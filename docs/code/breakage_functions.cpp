@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 // A program of docs/breakage.md: the functions without a simulation. A sphere of the synthetic
-// material S meets a steel wall.
+// material S hits a steel wall.
 
 #include <cmath>
 #include <cstdio>
@@ -8,7 +8,7 @@
 
 #include <silt/silt.hpp>
 
-/// What an impact of a sphere of this diameter [m] at this speed [m/s] is for the functions.
+/// The input of the functions for an impact of a sphere of this diameter [m] at this speed [m/s].
 silt::Impact on_steel(double diameter, double speed) {
   const double mass = 2165 * std::numbers::pi / 6 * std::pow(diameter, 3);
   const silt::HertzImpact hertz{.E_eff = silt::effective_modulus(20e9, 0.25, 210e9, 0.3),

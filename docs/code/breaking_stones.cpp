@@ -1,6 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// Stones, convex polyhedra, that are thrown onto a plate and break into cells. From
-// docs/breakage.md.
+// Stones (convex polyhedra) hit a plate and break into cells. From docs/breakage.md.
 #include <cmath>
 #include <iostream>
 #include <vector>

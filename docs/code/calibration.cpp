@@ -7,7 +7,7 @@
 
 namespace {
 
-// One bead over or on a plate.
+// One bead above or on a plate.
 auto bead(double restitution, double friction, double height, silt::Vec3d velocity) {
   const silt::HertzMindlin::Material glass{.youngs_modulus = 5e6,
                                            .poisson_ratio = 0.25,
@@ -22,7 +22,7 @@ auto bead(double restitution, double friction, double height, silt::Vec3d veloci
   return sim;
 }
 
-// How high [mm] it bounces that falls from 50 mm.
+// The rebound height [mm] of a bead that falls from 50 mm.
 double bounce(double restitution, double friction) {
   auto sim = bead(restitution, friction, 0.05, {0, 0, 0});
   sim.run(0.11);  // it has met the plate once
@@ -31,7 +31,7 @@ double bounce(double restitution, double friction) {
   return 1e3 * (top - 2e-3);
 }
 
-// How far [mm] it comes in 0.2 s, thrown along the plate: it slides, then rolls.
+// The distance [mm] that a bead thrown along the plate travels in 0.2 s: it slides, then rolls.
 double throw_along(double restitution, double friction) {
   auto sim = bead(restitution, friction, 0, {0.5, 0, 0});
   sim.run(0.2);
@@ -56,8 +56,8 @@ int main() {
   std::printf("restitution %.3f, from %.3f to %.3f\n", restitution, result.parameters[0].low,
               result.parameters[0].high);
 
-  // Catches a calibration that ends elsewhere: e^2 = 28.1/50, and of a bead that slides by friction
-  // until 5/7 of its speed is left, 76 mm in 0.2 s.
+  // Fails if the calibration finds other values: e^2 = 28.1/50, and the friction of a bead that
+  // slides until 5/7 of its speed is left and travels 76 mm in 0.2 s.
   const double slides = 0.5 * (2.0 / 7) / 9.81;  // [s] times friction
   const double friction = 0.5 * (0.5 * 2 / 7) * slides / (0.076 - 0.2 * 0.5 * 5 / 7);
   const bool right = std::abs(restitution - std::sqrt(28.1 / 50)) < 0.01 &&

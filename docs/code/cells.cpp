@@ -32,8 +32,9 @@ int main() {
               1e3 * sim.domain().length(0), 1e3 * sim.domain().length(1),
               1e3 * sim.domain().length(2));
 
-  // Catches a servo that does not hold, a shear of another rate, and a stress of the wrong sign or
-  // without friction: spheres without friction have 0.1, with it 0.3 to 0.4.
+  // Fails if the servo does not hold, if the shear has another rate, and if the stress has the
+  // wrong sign or no friction: spheres without friction have a ratio of 0.1, with friction 0.3 to
+  // 0.4.
   if (std::abs(pressure / samples - 1000) < 30 && std::abs(sim.domain().strain().xy - 1) < 1e-3 &&
       shear / pressure > 0.25 && shear / pressure < 0.5)
     return 0;

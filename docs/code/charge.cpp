@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// Charged grains on a grounded plate that is turned over, of docs/charge.md: who sticks.
+// Charged grains on a grounded plate that is turned over, of docs/charge.md: which ones stick.
 
 #include <cmath>
 #include <cstdio>
@@ -36,11 +36,11 @@ int main() {
     const double q = sim.field<silt::ElectricCharge>(k);
     const bool sticks = sim.position(k).z < 1.1 * R;
     stuck += sticks;
-    // The overlap with the plate brings the image nearer by some 1e-3; next to the limit not
-    // judged.
+    // The overlap with the plate brings the image closer by some 1e-3; grains next to the limit are
+    // not judged.
     wrong += std::abs(q / least - 1) > 0.02 && sticks != (q > least);
   }
   std::printf("%d of 64 grains stick, those with more than %.3g C\n", stuck, least);
-  // Catches an image force of another factor, and one that pushes.
+  // Fails if the image force has another factor, or is repulsive.
   return wrong == 0 && stuck > 20 && stuck < 60 ? 0 : 1;
 }

@@ -24,7 +24,7 @@ int main() {
   bed.fields().write_vti("bed.vti");
   bed.fields().write_csv("bed.csv");
 
-  // Means over the layers of the grid: pressure falls upwards by what each layer weighs.
+  // Means over the layers of the grid: the pressure decreases upwards by the weight of each layer.
   double zz[8] = {}, weight[8] = {}, solid = 0;  // [Pa], [Pa/m]
   for (int k = 0; k < 8; ++k)
     for (int j = 0; j < 8; ++j)
@@ -33,12 +33,12 @@ int main() {
         zz[k] += v.contact_stress.zz / 64, weight[k] += 9.81 * v.density / 64;
         solid += v.solid_fraction / 512;
       }
-  double fall = 0;  // [Pa] over the inner layers' weight, by the trapezoidal rule
+  double fall = 0;  // [Pa] relative to the inner layers' weight, trapezoidal rule
   for (int k = 0; k < 7; ++k) fall += 0.5 * (weight[k] + weight[k + 1]) * grid.spacing().z;
   std::printf("solid fraction %.3f; stress falls by %.4g Pa, the weight between is %.4g Pa\n",
               solid, zz[0] - zz[7], fall);
-  // Catches a stress of another sign, size or branch. The layers' means are exact but for the
-  // rounding of sums over cells of 1 mm, and what is left of the motion.
+  // Fails if the stress has another sign, size or branch vector. The means of the layers are exact,
+  // except for the rounding of sums over cells of 1 mm, and the remaining motion.
   const bool right = std::abs((zz[0] - zz[7]) / fall - 1) < 0.02 && solid > 0.5 && solid < 0.7;
   return right ? 0 : 1;
 }

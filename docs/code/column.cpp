@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Air through a bed of grains that lie in a tube, below minimum fluidisation: docs/fluid.md.
-// To be built with -O3 -march=native; arguments: number of grains (6000), length
-// of the run (0.4; the table has 1). The status tells whether the slope is Ergun's and the weight
-// is borne.
+// Air flows through a bed of grains in a tube, below minimum fluidisation: docs/fluid.md. Build
+// with -O3 -march=native; arguments: number of grains (6000), duration of the run (0.4; the table
+// has 1). The status says whether the pressure gradient is Ergun's and the air carries its part of
+// the weight.
 
 #include <algorithm>
 #include <cmath>
@@ -72,7 +72,7 @@ double mean_of_layer(const silt::FlowSolver& flow, int k, const Value& value) {
 double pressure(const silt::FlowSolver& flow, int k) {  // [Pa]
   return mean_of_layer(flow, k, [&](int i, int j) { return flow.pressure()(i, j, k); });
 }
-/// [Pa] Half a cell below the first centres: the slope there is what goes with the drag.
+/// [Pa] Half a cell below the first centres: the gradient there corresponds to the drag.
 double pressure_on_floor(silt::FlowSolver& flow) {
   return pressure(flow, 0) + mean_of_layer(flow, 0, [&](int i, int j) {
            const double drag =
@@ -119,8 +119,8 @@ int main(int argc, char** argv) {
     slope_off = std::max(slope_off, std::abs(of_ergun - 1));
     borne_off = std::max(borne_off, std::abs(missing));
   }
-  // Catches a tube whose cut cells count as whole ones in voidage or drag (the slope is not
-  // Ergun's), and drag that grains and gas do not feel alike (weight is missing).
+  // Fails if cut cells count as whole ones in voidage or drag (the gradient is not Ergun's), or if
+  // the drag on grains and gas is not the same (weight is missing).
   if (slope_off < 0.05 && borne_off < 0.05) return 0;
   std::printf(
       "wrong: the slope is off Ergun's by %.3f, and %.3f of the weight is missing; 0.05 at "

@@ -44,8 +44,8 @@ int main() {
   std::printf("stress zz %.3g Pa, pressure on the lowest ring %.3g Pa\n", stress.contact.zz,
               rings[0].pressure());
 
-  // Catches forces of another step, contacts left out or counted twice: what floor and mantle bear
-  // is what contacts carry, and both are the weight.
+  // Fails if forces are of another step, or contacts are left out or counted twice: the loads on
+  // floor and mantle are the sums over contacts, and together the weight.
   const bool right = std::abs(on_floor + borne - by_contacts) < 1e-9 * weight &&
                      std::abs(by_contacts / weight - 1) < 0.01 &&
                      std::abs(fabric.trace() - 1) < 1e-9 && z.without_rattlers >= z.mean;

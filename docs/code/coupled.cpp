@@ -43,9 +43,9 @@ int main() {
   fall.run(0.01);
   std::printf("a grain after 0.01 s: %.4f m/s, in a vacuum -0.0981 m/s\n", fall.velocity(0).z);
 
-  // Catches a bed whose weight the gas does not bear (0 or twice of it), and a followed grain
-  // without drag (0 m/s slower than in a vacuum) or with twice that of Schiller and Naumann; the
-  // few per cent of solids in the grain's cells raise it by 10 to 20 %.
+  // Fails if the gas does not carry the weight of the bed (0 or twice of it), and if the grain with
+  // followed drag has no drag (0 m/s slower than in a vacuum) or twice that of Schiller and
+  // Naumann; the few per cent of solids in the grain's cells raise it by 10 to 20 %.
   const double borne = (at_inlet - p(3, 3, 19)) * width * width / weight;
   double v = 0;  // [m/s] in free air of 0.8 m/s
   for (int n = 0; n < 1000; ++n) {

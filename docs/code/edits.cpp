@@ -1,7 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Particles that leave, come and change in the middle of a run (docs/edits.md): a sieve for a
-// floor.
+// Particles are removed, added and changed during a run (docs/edits.md): a sieve as a floor.
 
 #include <cmath>
 #include <cstdio>

@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Eigen beside silt (docs/eigen.md): principal stresses, and a plane through a surface.
+// Eigen with silt (docs/eigen.md): principal stresses, and a plane through a surface.
 
 #include <cmath>
 #include <cstdio>

@@ -31,8 +31,9 @@ int main() {
               e.friction);
   std::printf("unexplained: %.1e of what contacts turned over\n", e.residual() / e.turned_over);
 
-  // Catches a loss that is booked twice or not at all: what the beads fell, computed here from
-  // their heights, must be what they hold and have lost; and a gain booked as a loss.
+  // Fails if a loss is booked twice or not at all (the potential energy lost by the beads, computed
+  // here from their heights, must equal what they store and have dissipated), or if a gain is
+  // booked as a loss.
   const double fell = before - lift(), found = e.kinetic() + e.elastic() + e.dissipated();
   if (std::abs(e.residual() / e.turned_over) < 2e-3 && std::abs(found / fell - 1) < 0.01 &&
       e.normal_damping > 0 && e.tangential_damping > 0 && e.friction > 0)

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// A run that fails, and what it leaves: docs/failures.md.
+// A run that fails, and the files it leaves: docs/failures.md.
 
 #include <cstdio>
 #include <filesystem>
@@ -15,7 +15,7 @@ int main() {
   silt::Simulation sim{std::move(beads), silt::Contacts<silt::HertzMindlin>{soft}};
   sim.add_wall(silt::box({0, 0, 0}, {0.02, 0.02, 0.2}), soft);
   sim.gravity = {0, 0, -9.81};
-  // A punch comes down too fast for beads as soft as these.
+  // A punch comes down too fast for such soft beads.
   sim.add_wall(silt::Plane{{0, 0, 0.052}, {0, 0, -1}}, soft, silt::translation({0, 0, -0.5}));
 
   bool failed = false;

@@ -71,9 +71,9 @@ int main() {
   std::printf("the nozzle lets in %.4e m3/s (2 m/s and its area: %.4e), then %.4e m3/s\n", by_area,
               2 * 3.14159265 * 0.004 * 0.004, box.flow_rate(2, 0));
 
-  // Catches drag that works on another velocity than the gas's (the gradient would be off by
-  // 1/0.4), a pipe whose flow stands still or has no friction (15 m/s, or 25 more in half a
-  // second), and a nozzle of whole cells (3 % too large or small) or that does not keep the rate.
+  // Fails if drag uses another velocity than that of the gas (the gradient would be off by 1/0.4),
+  // if the flow in the pipe does not move or has no friction (15 m/s, or 25 more in half a second),
+  // and if the nozzle consists of whole cells (3 % too large or small) or does not keep the rate.
   const double ergun =
       silt::ergun_pressure_gradient(eps, d, air.density, air.viscosity, superficial);
   double prandtl = 15, root = 7;  // [m/s] at 60 Pa/m; 1/sqrt(f)

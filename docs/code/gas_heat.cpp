@@ -9,8 +9,8 @@
 
 #include <silt/fluid.hpp>
 
-/// Share of the way from the cold bed's temperature to that of the gas which flows in, at y
-/// transfer units into the bed and at the time s: of the gas J(y, s), of the grains 1 - J(s, y).
+/// Fraction of the way from the temperature of the cold bed to that of the incoming gas, y transfer
+/// units into the bed at the time s: of the gas J(y, s), of the grains 1 - J(s, y).
 double J(double y, double s) {
   double sum = 0;
   const int n = 1000;
@@ -45,7 +45,7 @@ int main() {
           silt::FluidConvection<silt::Gunn>{}}};
   sim.gravity = {0, 0, -9.81};
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, soft);
-  sim.run(0.4);  // until they lie
+  sim.run(0.4);  // until they are at rest
 
   silt::FlowSolver& flow = sim.fluid().flow();
   flow.set_side_heat(2, 0, {.temperature = hot});
@@ -86,8 +86,8 @@ int main() {
   const double kept = grains_heat() + after.from_particles - before.from_particles;
   std::printf("grains got %.6f J, the gas gave %.6f J\n", grains_heat(),
               before.from_particles - after.from_particles);
-  // Cells of 4 mm, which gas leaves as it is at their end, and the kernel of 6 mm blur a front that
-  // is 12 mm wide: 0.07. Catches a Nusselt number, an area or a capacity that is wrong by a factor
-  // of two, and heat that only one side gets.
+  // Cells of 4 mm, whose temperature is that of the gas leaving them, and the kernel of 6 mm smear
+  // a front that is 12 mm wide: 0.07. Fails if a Nusselt number, an area or a capacity is wrong by
+  // a factor of two, or if only one side receives heat.
   return worst < 0.07 && std::abs(kept) < 1e-10 * grains_heat() ? 0 : 1;
 }

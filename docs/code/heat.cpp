@@ -1,5 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
-// Heat in a bed, of docs/heat.md: grains settle on a plate of 5 W that friction heats too, in gas.
+// Heat in a bed, of docs/heat.md: grains settle on a plate of 5 W in a gas, with the heat of
+// friction.
 
 #include <cmath>
 #include <cstdio>
@@ -39,7 +40,7 @@ int main() {
   sim.set_wall_heat("plate", silt::held_at(320));  // [K] from now on
   sim.run(0.05);
 
-  // Catches a plate that gives each contact its power, heat that is lost between grains, and walls
-  // that are insulated and take heat.
+  // Fails if the plate gives its power to each contact, if heat is lost between grains, or if
+  // insulated walls take heat.
   return std::abs(heat / given - 1) < 1e-9 ? 0 : 1;
 }

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// The program of docs/contact_events.md: beads rain on a plate.
+// The program of docs/contact_events.md: beads fall on a plate.
 
 #include <cmath>
 #include <cstdio>
@@ -48,9 +48,9 @@ int main() {
           }));
   std::printf("%zu contacts with walls began in the last 10 ms\n", hits);
 
-  // Catches losses that are counted twice or not at all, and forces of another size: what beads
-  // fell and have no longer is lost but for what rotates, and what contacts that last have lost;
-  // the largest bead hits a wall with 1 m/s after 5 cm, and with 0.37 N by Hertz' law.
+  // Fails if losses are counted twice or not at all, or forces have another size: the missing
+  // energy is dissipated, except for rotation and the losses of lasting contacts; the largest bead
+  // hits a wall with 1 m/s after 5 cm, with 0.37 N by Hertz's law.
   const bool right = lost < missing && lost > 0.8 * missing && hardest > 0.05 && hardest < 0.37;
   if (!right)
     std::printf("wrong: expected were 80 to 100 %% of %.3g J and 0.05 to 0.37 N\n", missing);

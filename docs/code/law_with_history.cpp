@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A contact law of one's own with a memory, which the energy ledger understands
+// A user-defined contact law with a history, which the energy ledger supports
 // (docs/contact_laws.md).
 
 #include <cmath>
@@ -68,7 +68,7 @@ int main() {
   std::printf("lost %.4f of the energy: normal damping %.4f, friction %.4f, unexplained %.1e\n",
               lost / start, books.normal_damping / start, books.friction / start,
               books.residual() / start);
-  // An oblique impact that slides throughout: friction turns mu of the normal impulse.
+  // An oblique impact with sliding throughout: friction gives mu times the normal impulse.
   const double slid = (2 - sim.velocity(0).x) / (1 + sim.velocity(0).z);
   std::printf("tangential over normal impulse %.4f, friction 0.3\n", slid);
   return std::abs(slid - 0.3) < 1e-4 && std::abs(books.residual()) < 1e-3 * start ? 0 : 1;

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// A module with a flux, of docs/modules.md: heat goes through a row of beads between a hot and a
+// A module with a flux, of docs/modules.md: heat flows through a row of beads between a hot and a
 // cold wall.
 
 #include <cmath>
@@ -32,7 +32,7 @@ int main() {
   silt::Particles<silt::Sphere> beads;
   for (int k = 0; k < 5; ++k)
     beads.add({.position = {(k + 0.5) * length / 5, 0, 0}, .radius = R, .density = 1000});
-  // Heat comes to rest sooner with a small capacity, and is the same then.
+  // With a small heat capacity the steady state is reached sooner, and is the same.
   silt::Simulation sim{std::move(beads), silt::Contacts<silt::HertzMindlin>{rubber},
                        Conduction{.conductivity = 50, .heat_capacity = 2, .hot = 393, .cold = 293}};
   sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, rubber);
@@ -40,8 +40,8 @@ int main() {
   sim.time_step = 5e-6;  // nothing moves, so that silt cannot choose it
   sim.run(0.1);
 
-  // Catches ends that are interchanged, walls that give nothing or twice, and heat that one bead
-  // gets and its neighbour does not lose: resistances in series, of the overlaps as they are.
+  // Fails if ends are interchanged, if walls give nothing or twice, or if a bead receives heat that
+  // its neighbour does not lose. Reference: resistances in series, from the actual overlaps.
   const auto resistance = [](double R_eff, double overlap) {
     return 1 / (100 * std::sqrt(R_eff * overlap));
   };

@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
-// The program of docs/modules.md: grains that carry charge fall through an electric field and past
-// a lamp that warms them.
+// The program of docs/modules.md: charged grains fall through an electric field and past a lamp
+// that heats them.
 
 #include <cmath>
 #include <cstdio>
@@ -50,8 +50,8 @@ int main() {
                 1e3 * lamp.seconds_in_beam);
   }
 
-  // Catches a force that acts on the wrong grain, twice or not at all (x = q E t2/(2 m)), and a
-  // field that counts steps twice (from 0.04 to 0.05 m below the start, v2 = 2 g h).
+  // Fails if a force acts on the wrong grain, twice or not at all (x = q E t2/(2 m)), or if a field
+  // counts steps twice (from 0.04 to 0.05 m below the start, v2 = 2 g h).
   const double t = sim.time(), m = sim.mass(0);
   const double deflection = 0.5 * 5e-13 * 2e5 / m * t * t;
   const double in_beam = (std::sqrt(2 * 9.81 * 0.05) - std::sqrt(2 * 9.81 * 0.04)) / 9.81;
@@ -59,7 +59,7 @@ int main() {
   for (std::size_t k = 0; k < sim.rows(); ++k) {
     const double wanted = deflection * (static_cast<double>(sim.id(k)) - 1);
     right &= std::abs(sim.position(k).x - wanted) < 1e-6 * deflection;
-    // The beam's ends are met to a step.
+    // The ends of the beam are resolved to one step.
     right &= std::abs(sim.field<Lamp>(k).seconds_in_beam - in_beam) < 1.5 * sim.step_length();
   }
   right &= std::abs((hottest - 293) / (1e-3 / (m * 840) * in_beam) - 1) < 0.02;

@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
-// A model of bonds of one's own, of docs/bonds.md: glue that is as stiff in all directions, and
-// breaks when its springs hold more than an energy.
+// A user-defined bond model, of docs/bonds.md: glue with the same stiffness in all directions,
+// which breaks when its springs store more than a given energy.
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// A drag law of one's own, and one that is calibrated by a bed's minimum fluidisation:
-// docs/fluid.md.
+// A user-defined drag law, and one calibrated by a bed's minimum fluidisation: docs/fluid.md.
 
 #include <cmath>
 #include <cstdio>
@@ -34,7 +33,7 @@ int main() {
   const double stokes = (2500 - 900) * 9.81 * 1e-4 * 1e-4 / (18 * 0.05);
   std::printf("settles at %.4e m/s (Stokes: %.4e m/s)\n", -sim.velocity(0).z, stokes);
 
-  // A bed that was measured: 0.3 mm grains begin to move at 0.09 m/s, 0.43 of the bed is void.
+  // A measured bed: grains of 0.3 mm begin to move at 0.09 m/s, with a voidage of 0.43.
   const silt::MinimumFluidisation bed{.velocity = 0.09,
                                       .voidage = 0.43,
                                       .diameter = 0.3e-3,
@@ -47,8 +46,8 @@ int main() {
   std::printf("c1 = %.3f, d1 = %.2f: bears %.4f of the bed; c1 = 0.8 bears %.2f\n", law.c1, law.d1,
               borne, as_printed);
 
-  // Catches a law that is not used (no drag: 0.0196 m/s after 2 ms), the exponent's sign, and a
-  // calibration that does not meet the bed.
+  // Fails if the law is not used (no drag: 0.0196 m/s after 2 ms), if the exponent has the wrong
+  // sign, or if the calibration does not reproduce the bed.
   const bool right = std::abs(-sim.velocity(0).z / stokes - 1) < 0.01 && std::abs(borne - 1) < 1e-9;
   if (!right) std::printf("wrong: Stokes' velocity to 1 %%, and all of the bed must be borne\n");
   return right ? 0 : 1;

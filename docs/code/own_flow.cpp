@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// A flow that is given, and a flow solver of one's own, of docs/own_fluid.md.
+// A prescribed flow, and a user-defined flow solver, of docs/own_fluid.md.
 
 #include <cmath>
 #include <complex>
@@ -78,8 +78,8 @@ int main() {
           }));
   std::printf("what flows out is off by %.1e of what flows in, 0.5 + 0.3 sin m/s\n", missing);
 
-  // Catches a drift without the centrifugal term (r = 0.05 m) or with twice its time constant, and
-  // a step() of one's own that the coupling does not call.
+  // Fails if the drift lacks the centrifugal term (r = 0.05 m) or has twice its time constant, or
+  // if the coupling does not call the user's step().
   if (std::abs(radius / exact - 1) < 1e-4 && missing < 1e-6) return 0;
   std::printf("wrong: must agree within 1e-4 and 1e-6\n");
   return 1;

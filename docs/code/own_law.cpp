@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A user's own contact law, without touching silt (docs/contact_laws.md).
+// A user-defined contact law, without changes in silt (docs/contact_laws.md).
 
 #include <cmath>
 #include <cstdio>

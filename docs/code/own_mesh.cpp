@@ -105,7 +105,7 @@ int main() {
                silt::ergun_pressure_gradient(eps[c], d, air.density, air.viscosity, 0.15);
   const double at_rest = sim.fluid().flow().pressure_drop() / ergun;
 
-  // Fluidised: the gas bears the weight, on average.
+  // Fluidised: the gas carries the weight, on average.
   sim.fluid().flow().inflow = 0.6;
   sim.run(0.1);
   double sum = 0;
@@ -116,8 +116,8 @@ int main() {
   const double fluidised = sum / static_cast<double>(samples) * slabs.area / borne;
   const double lost = sim.fluid().closure().momentum;
 
-  // Catches weights that spread and gather differently (momentum), drag of another cell's voidage
-  // (Ergun), and forces that the pressure is missing in (a bed that is not borne).
+  // Fails if weights for spreading and gathering differ (momentum), if drag uses the voidage of
+  // another cell (Ergun), or if the pressure is missing in the forces (the bed is not carried).
   std::printf("pressure drop at rest over Ergun's: %.4f; fluidised, over the weight: %.4f\n",
               at_rest, fluidised);
   std::printf("momentum of grains and gas: off by %.1e of what is exchanged\n", lost);

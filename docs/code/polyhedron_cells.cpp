@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A block is cut into twelve pieces, which lie where they were cut and then fall apart on a floor
+// A block is cut into twelve pieces, which start where they were cut and then fall apart on a floor
 // (docs/polyhedra.md).
 
 #include <algorithm>
@@ -57,7 +57,7 @@ int main() {
     fastest = std::max(fastest, norm(sim.velocity(k))),
     widest = std::max(widest, std::hypot(sim.position(k).x, sim.position(k).y));
   std::printf("after 0.2 s: fastest %.3f m/s, farthest centre %.1f mm\n", fastest, 1e3 * widest);
-  // Catches pieces that overlap at birth (kicks), that do not fill the block, and that fly off.
+  // Fails if pieces overlap at birth (kicks), do not fill the block, or fly off.
   if (std::abs(mass / (2600 * 8 * a * a * a) - 1) < 1e-12 && worst < 1e-12 && jump < 1e-6 &&
       fastest < 0.3 && widest < 0.05)
     return 0;

@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
-// The scene of docs/probes.md: air swings through a bed of grains at rest; taps, probes, a profile
-// and means of the flow.
+// The scene of docs/probes.md: air oscillates through a bed of grains at rest; taps, probes, a
+// profile and means of the flow.
 
 #include <cmath>
 #include <cstdio>
@@ -56,8 +56,8 @@ int main() {
   std::printf(
       "mean over two periods: drop %.1f Pa (Ergun: %.1f), velocity above the bed %.4f m/s\n",
       low - high, ergun, speed_mean);
-  // Catches means over other than whole periods, a mean of the linear part alone (11 % less), and
-  // an inflow that does not swing.
+  // Fails if means are not over whole periods, if only the linear part is averaged (11 % less), or
+  // if the inflow does not oscillate.
   const bool right =
       std::abs((low - high) / ergun - 1) < 0.03 && std::abs(speed_mean / 0.4 - 1) < 1e-3;
   if (!right)

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// A settled bed goes on with something changed: docs/restart.md.
+// A settled bed is continued with changes: docs/restart.md.
 
 #include <cmath>
 #include <cstdio>
@@ -10,7 +10,7 @@
 const silt::HertzMindlin::Material glass{
     .youngs_modulus = 1e6, .poisson_ratio = 0.3, .friction = 0.5};
 
-/// The scene; `lid`: with a wall that the first run did not have.
+/// The scene; `lid`: with a wall that was not in the first run.
 auto scene(const silt::HertzMindlin::Material& grains, bool lid) {
   silt::Particles<silt::Sphere> beads;
   beads.fill({.min = {0, 0, 0}, .max = {0.01, 0.01, 0.04}},
@@ -27,7 +27,7 @@ int main() {
   settled.run(0.4);
   silt::save_checkpoint(settled, "settled.silt");
 
-  // Smoother grains, a lid, half of the gravity, a step of our own, and three more grains.
+  // Smoother grains, a lid, half of the gravity, another time step, and three more grains.
   auto smooth = glass;
   smooth.friction = 0.1;
   auto sim = scene(smooth, true);
@@ -44,8 +44,8 @@ int main() {
   for (std::size_t k = 0; k < sim.rows(); ++k) weight += 0.5 * 9.81 * sim.mass(k);
   std::printf("t = %.1f s, %zu grains, the floor bears %.4f of their weight\n", sim.time(),
               sim.size(), -sim.wall(0).force.z / weight);
-  // Catches changes that are not taken: gravity (the floor would bear twice as much), grains that
-  // did not come (2.5 % less), or that lost their ids.
+  // Fails if changes have no effect: gravity (the floor would carry twice as much), added grains
+  // (2.5 % less) or their ids.
   const bool right = std::abs(-sim.wall(0).force.z / weight - 1) < 0.01 && sim.size() == 123 &&
                      sim.find(122) < sim.rows() && sim.step_length() == 0.5 * settled.step_length();
   if (!right) std::printf("wrong: the floor must bear the weight, to 1 %%, of 123 grains\n");

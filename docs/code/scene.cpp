@@ -1,11 +1,11 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// The scene of the tutorial (docs/tutorial.md), in the order in which it is told there.
+// The scene of the tutorial (docs/tutorial.md), in the same order.
 
 #include <silt/silt.hpp>
 
 int main() {
-  // 1. Materials: what does not name a pair is against itself.
+  // 1. Materials: values without set_pair are for contacts with the same material.
   const silt::HertzMindlin::Material glass{
       .youngs_modulus = 1e7, .poisson_ratio = 0.25, .restitution = 0.8, .friction = 0.4};
   const silt::HertzMindlin::Material steel{
@@ -24,21 +24,21 @@ int main() {
   silt::Simulation sim{contacts, std::move(grains)};
   sim.gravity = {0, 0, -9.81};
 
-  // 4. Walls: a steel drum that turns about its axis, closed by a plane below.
+  // 4. Walls: a steel drum that rotates about its axis, closed by a plane below.
   sim.add_wall(silt::Cylinder{{0, 0, 0}, {0, 0, 0.1}, 0.02, silt::Side::Inside}, steel,
                silt::rotation({0, 0, 0}, {0, 0, 1}, 5.0));
   const auto floor = sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, steel);
 
-  // 5. Openings: grains that leave through the top are counted; new ones come in at a rate.
+  // 5. Openings: grains that leave through the top are counted; new ones are added at a rate.
   const auto top = sim.add_outlet({{-1, -1, 0.11}, {1, 1, 1}});
   sim.add_inlet(silt::CylinderRegion{{0, 0, 0.08}, {0, 0, 0.095}, 0.015},
                 {.radius = 1.2e-3, .density = 2500, .rate = 500, .total = 20});
 
-  // 6. Limits: a run that breaks one stops with a sentence.
+  // 6. Limits: a run that exceeds one is stopped with a message.
   sim.guard.max_overlap = 0.2;
   sim.guard.domain = silt::Box{{-0.03, -0.03, -0.01}, {0.03, 0.03, 1}};
 
-  // 7. The run, and what is written while it goes.
+  // 7. The run, and its output.
   std::vector<std::string> odd;  // what silt finds odd about the scene: nothing
   sim.run(
       0.1, silt::vtk_series("drum", silt::every(0.02)),

@@ -9,7 +9,7 @@
 #include <silt/silt.hpp>
 #include <silt/simulation/contact_check.hpp>
 
-/// A search of one's own: every pair nearer than `reach`, once.
+/// A user-defined search: every pair nearer than `reach`, once.
 struct MySearch {
   template <class Domain>
   void find(const silt::SphereSet& spheres, double reach, const Domain& domain, const silt::Team&,
@@ -51,7 +51,7 @@ int main() {
   silt::VerletList<silt::HashedGrid> with_sub_grid{.finder = silt::sub_grid(0.2)};
   auto as_in_the_paper = falling(with_sub_grid);
 
-  // What was chosen, and why.
+  // The choice of AutoSearch, and its reason.
   tried.run(0.001);
   std::puts(tried.search().finder.report().c_str());
 

@@ -1,15 +1,14 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A steel ball falls onto hollow and solid grains of glass: several materials in one scene, a
-// sphere that is not solid, and a run that goes on from a checkpoint (docs/tutorial.md,
-// docs/shapes.md).
+// A steel ball falls onto hollow and solid glass grains: several materials in one scene, a sphere
+// that is not solid, and a run continued from a checkpoint (docs/tutorial.md, docs/shapes.md).
 
 #include <cmath>
 #include <cstdio>
 
 #include <silt/silt.hpp>
 
-// A sphere whose mass lies in its shell: I = 2/3 m r^2.
+// A sphere with its mass in a thin shell: I = 2/3 m r^2.
 struct HollowSphere : silt::Sphere {
   static constexpr double inertia_factor() { return 2.0 / 3.0; }
 };
@@ -39,7 +38,7 @@ auto make() {
   return sim;
 }
 
-/// The acceleration of a ball that rolls down a slope of 20 degrees, over that of one that slides
+/// The acceleration of a ball that rolls down a slope of 20 degrees, relative to one that slides
 /// without friction.
 template <class Ball>
 double rolled() {
@@ -72,7 +71,7 @@ int main() {
 
   const double solid = rolled<silt::Sphere>(), hollow = rolled<HollowSphere>();
   std::printf("rolling: solid %.4f (1/1.4 = 0.7143), hollow %.4f (0.6)\n", solid, hollow);
-  // The lever of friction is shorter by the overlap, 1e-3 of the radius here.
+  // The lever arm of friction is shorter by the overlap, 1e-3 of the radius here.
   const bool rolls = std::abs(solid * 1.4 - 1) < 1e-3 && std::abs(hollow / 0.6 - 1) < 1e-3;
   return same && rolls && sim.size() == 501 ? 0 : 1;
 }

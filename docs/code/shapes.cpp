@@ -59,9 +59,9 @@ int main() {
   std::printf("the stone rests at z = %.2f mm, turned to (%.3f, %.3f, %.3f, %.3f)\n",
               1e3 * sim.position(sim.find(150)).z, q.w, q.x, q.y, q.z);
 
-  // Catches spheres that do not fill the stone (its volume), a stone that sinks into the floor or
-  // hangs above the rods, bodies that fall through walls and through each other (too low) or stay
-  // where they were filled in, and rods that never come to rest.
+  // Fails if the spheres do not fill the stone (its volume), if the stone sinks into the floor or
+  // hangs above the rods, if bodies fall through walls or each other (too low) or stay where they
+  // were placed, and if rods never come to rest.
   double mean = 0, fastest = 0;
   bool inside = sim.size() == 151;
   for (std::size_t k = 0; k < sim.rows(); ++k) {

@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// docs/sph.md: balls of steel and of cork in a drum of water that turns.
+// docs/sph.md: balls of steel and of cork in a rotating drum of water.
 
 #include <cmath>
 #include <cstdio>

@@ -1,14 +1,14 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Two studies of one's own (docs/studies.md): against a closed form, and against the same scene
-// computed much finer.
+// Two user-defined studies (docs/studies.md): against a closed form, and against the same scene
+// computed with a much finer step.
 
 #include <silt/silt.hpp>
 #include <silt/study/study.hpp>
 
 namespace {
 
-// Two beads meet head on; the time step is a part of their contact time.
+// Two beads collide head-on; the time step is a fraction of their contact time.
 auto impact(double steps_a_contact) {
   const silt::HertzMindlin::Material glass{
       .youngs_modulus = 5e7, .poisson_ratio = 0.25, .restitution = 0.8};
@@ -56,8 +56,8 @@ bool against_a_closed_form() {
   study.run();
   study.report("study/restitution");
 
-  // Catches restitution that does not converge to the law's as steps grow finer, or is far off it
-  // in coarse ones: 0.02 at ten steps.
+  // Fails if the restitution does not converge to the law's with finer steps, or is far off in
+  // coarse ones: 0.02 at ten steps.
   const auto& rows = study.results().rows;
   const auto error = [&](std::size_t k) { return rows[k].errors.at(0).value; };
   for (const auto& row : rows)
@@ -80,8 +80,8 @@ bool against_a_finer_one() {
   study.run({.repeats = 3});
   study.report("study/bed");
 
-  // Catches a bed that depends on the step (its height, by more than 0.5 %), and one that has not
-  // come down: 150 beads of 1 mm take 4.4 mm of the box without voids, and lie below twice of that.
+  // Fails if the bed depends on the step (its height, by more than 0.5 %), or has not come down:
+  // 150 beads of 1 mm occupy 4.4 mm of the box without voids, and lie below twice that.
   const double mean = 1e3 * mean_height([] {
                         auto sim = box_of_beads(2e-5);
                         sim.run(0.1);

@@ -7,7 +7,7 @@
 #include <silt/shape/super_ellipsoid.hpp>
 #include <silt/silt.hpp>
 
-/// Tablets fall into a box; true if nothing went wrong.
+/// Tablets fall into a box; returns true if the result is right.
 bool fill_box() {
   silt::Particles<silt::SuperEllipsoid> pills;
   const auto tablet = pills.add_form({.a = 4e-3, .b = 4e-3, .c = 2e-3, .s1 = 6, .s2 = 2});  // [m]

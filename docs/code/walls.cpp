@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Walls that answer (docs/walls.md): a lid that presses with a force, and a box that falls onto it.
+// Driven walls (docs/walls.md): a lid that presses with a force, and a box that falls onto it.
 
 #include <cmath>
 #include <cstdio>
@@ -29,7 +29,7 @@ int main() {
   std::printf("the lid presses with %.3f N at z = %.4f m\n", force,
               0.06 + sim.wall("lid").pose.translation.z);
 
-  // The lid is drawn up slowly, from where it is; a steel box falls onto the bed.
+  // The lid is slowly pulled up from its present position; a steel box falls onto the bed.
   sim.set_motion("lid", silt::from(sim.time(), silt::translation({0, 0, 0.5})));
   sim.run(0.1);
   sim.remove_wall("lid");

@@ -31,7 +31,7 @@ int main() {
   silt::write_wear<Sliding>("chute.vtp", sim, "chute");
 
   // v = g_x t along the chute, F = m (g_z + dv_z/dt) across it: however the bead bounces before it
-  // lies, the integral of F v over the time is m g_x (g_z t^2/2 + fall).
+  // comes to rest on it, the integral of F v over time is m g_x (g_z t^2/2 + fall).
   const double g_x = sim.gravity.x, g_z = -sim.gravity.z, t = sim.time();
   const double expected = 1e-4 / 2e9 * sim.mass(0) * g_x * (g_z * t * t / 2 + fall);
   std::printf("slid %.4g m3, %.4g expected; cut %.4g m3\n", slid, expected, cut);

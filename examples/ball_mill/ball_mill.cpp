@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// The laboratory ball mill of B. Doroszek et al., Minerals 14 (2024) 407: the angle of repose of
-// its balls in three drums beside that of recordings, torque and power, energies of impacts; with
-// --scan over restitution and friction.
+// The laboratory ball mill of B. Doroszek et al., Minerals 14 (2024) 407: angle of repose in three
+// drums beside that of recordings, torque and power, impact energies; with --scan over restitution
+// and friction. The set-up is scene.hpp, with slurry slurry.hpp.
 
 #include <cmath>
 #include <cstdio>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "ball_mill/dry.hpp"
+#include "ball_mill/measure.hpp"
 #include "ball_mill/scene.hpp"
 #include "ball_mill/wet.hpp"
 #include "support/example.hpp"
@@ -58,7 +59,8 @@ void check(example::Summary& summary, const Scene& s, const DryRun& run, bool qu
       0.004, "whole balls");
   summary.check_within("work_of_the_drum_over_energy_held_and_dissipated", run.work / run.booked, 1,
                        1e-3, "error of the ledger, and of torque times angle");
-  // In steady motion angular momentum does not grow: the drum bears the weight's moment.
+  // In steady motion angular momentum is constant: the drum's torque balances the moment of the
+  // weight.
   summary.check_within("torque_over_moment_of_the_weight", run.work / run.lever, 1,
                        quick ? 0.05 : 0.02, "what the bed's swing adds over the turns");
   summary.check_within("lost_in_contacts_over_power", run.in_contacts / run.work, 1, 0.1,

@@ -12,10 +12,10 @@
 #include <silt/core/error.hpp>
 
 /// The laboratory ball mill of B. Doroszek et al., Minerals 14 (2024) 407: three drums, their balls
-/// and their speed.
+/// and speeds.
 namespace ball_mill {
 
-/// One of the drums, with what was measured in it.
+/// One of the drums, with its measured values.
 struct Mill {
   const char* name;         // its outer diameter [mm]
   double radius;            // [m] inner
@@ -44,9 +44,9 @@ struct BallClass {
   double mass_share;  // [-]
 };
 
-/// Bond's equilibrium charge: of the mass, a share y = (x/B)^3.8 is of balls up to a size x. Balls
-/// of one size stand for the interval up to it from the next smaller one; the smallest has all
-/// below.
+/// Bond's equilibrium charge: balls up to the size x are the mass fraction y = (x/B)^3.8. Balls of
+/// one size represent the interval from the next smaller size to their own; the smallest represents
+/// all below.
 /// Source: the paper, section 3.5, after F. C. Bond, Crushing and grinding calculations (1961),
 ///         which was not read. The intervals are not stated there; with these the speeds are those
 ///         printed.
@@ -71,8 +71,8 @@ inline double mean_diameter(const std::vector<BallClass>& classes) {
   return sum / mass;
 }
 
-/// [1/min] at which a ball of `ball` [m] radius at the shell of a drum of `drum` [m] weighs nothing
-/// at its top: 60/(2 pi) sqrt(g/(R - r)).
+/// [1/min] critical speed: that at which a ball of `ball` [m] radius at the shell of a drum of
+/// `drum` [m] radius is weightless at the top: 60/(2 pi) sqrt(g/(R - r)).
 inline double critical_speed(double drum, double ball) {
   return 60 / (2 * std::numbers::pi) * std::sqrt(gravity / (drum - ball));
 }
@@ -82,7 +82,7 @@ inline double turns_a_minute(const Mill& m) {
   return speed * critical_speed(m.radius, 0.5 * mean_diameter(bond_classes(m.least)));
 }
 
-/// Whole balls of each class for a drum of `length` [m].
+/// Whole numbers of balls of each class for a drum of `length` [m].
 inline std::vector<std::size_t> ball_counts(const Mill& m, double length, double share = filling) {
   const double steel = share * std::numbers::pi * m.radius * m.radius * length;  // [m3]
   std::vector<std::size_t> out;

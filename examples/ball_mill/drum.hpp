@@ -16,8 +16,8 @@ namespace ball_mill {
 inline constexpr int lifter_count = 8;
 inline constexpr double lifter_size = 5e-3;  // [m] height, and width, which the paper does not give
 
-/// The lifters: bars along the axis that stand out of the shell by their height, and are as wide;
-/// as far behind it, so that no seam is open. They reach beyond both ends.
+/// The lifters: bars along the axis. Their height above the shell equals their width; they extend
+/// as far behind the shell, to leave no open seam, and beyond both ends of the drum.
 inline silt::TriangleMesh lifters(double radius, double length) {
   const double h = lifter_size;
   const auto bar =
@@ -38,7 +38,7 @@ inline silt::TriangleMesh lifters(double radius, double length) {
   return silt::TriangleMesh(all);
 }
 
-/// Shell, lifters and end walls are one wall, which turns: its torque is the drum's.
+/// Shell, lifters and end walls are one rotating wall: its torque is the drum's.
 inline silt::Surfaces drum_surfaces(double radius, double length, bool ends) {
   std::vector<silt::Surface> parts = silt::Surfaces(lifters(radius, length)).parts;
   parts.emplace_back(

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// A run of the mill with balls alone: surface, torque, energy, impacts.
+// A run of the mill with balls only: surface, torque, energy, impacts.
 
 #include <algorithm>
 #include <cmath>
@@ -10,13 +10,14 @@
 #include <string>
 #include <vector>
 
+#include "ball_mill/measure.hpp"
 #include "ball_mill/scene.hpp"
 #include "support/example.hpp"
 #include "support/impact_spectrum.hpp"
 
 namespace ball_mill {
 
-/// Rows of grey, white where a pixel is covered in all frames.
+/// Rows of grey values; white where a pixel is covered in all frames.
 inline void write_grey(const std::string& path, const silt::Picture& picture) {
   silt::AtomicFile file(path);
   file.write(silt::text("P5\n", picture.columns, " ", picture.rows, "\n255\n"));
@@ -29,7 +30,7 @@ inline void write_grey(const std::string& path, const silt::Picture& picture) {
   file.commit();
 }
 
-/// Points of the surface, and whether the line is of them.
+/// Points of the surface, and whether each is used by the fitted line.
 inline void write_surface(const std::string& path, const silt::ReposeLine& surface) {
   silt::CsvTable table(path, {"x [m]", "height [m]", "in the line", "line [m]"});
   for (std::size_t k = 0; k < surface.x.size(); ++k)
@@ -37,7 +38,7 @@ inline void write_surface(const std::string& path, const silt::ReposeLine& surfa
                    surface.line.at(surface.x[k])});
 }
 
-/// What a run gave, over the turns that were filmed.
+/// Results of a run, over the filmed turns.
 struct DryRun {
   silt::ReposeLine surface;
   double seconds = 0;          // [s] simulated

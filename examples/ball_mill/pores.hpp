@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// How full of slurry the space between the balls is, place by place in a view along the axis.
+// Filling of the pores between the balls with slurry, as a map in a view along the axis.
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@
 
 namespace ball_mill {
 
-/// Sums over frames, in square cells of the view: slurry, and room that no ball takes.
+/// Sums over frames, in square cells of the view: slurry, and pore volume.
 class PoreFill {
  public:
   struct Share {
@@ -57,7 +57,7 @@ class PoreFill {
           if (is == 0) room_[at(x, z)] += volume;
       }
   }
-  /// Of all cells that lie by two cells below the surface(x) [m] and within the drum.
+  /// All cells at least two cells below the surface(x) [m] and within the drum.
   template <class Surface>
   Share below(const Surface& surface) const {
     double bed = 0, bed_room = 0, pool = 0, pool_room = 0, all = 0, dense = 0;
@@ -78,7 +78,7 @@ class PoreFill {
     return {bed_room > 0 ? bed / bed_room : 0, pool_room > 0 ? pool / pool_room : 0,
             all > 0 ? dense / all : 0};
   }
-  /// visit(x, z, part of the space that no ball takes, part of the space that is slurry).
+  /// visit(x, z, fraction of the space that is pore, fraction of the space that is slurry).
   template <class Visit>
   void for_each(const Visit& visit) const {
     const double whole = static_cast<double>(frames_) * cell * cell * length_;

@@ -1,8 +1,13 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The mill: a drum with eight lifters, balls by Bond's distribution, and how it is filled and
-// filmed.
+// The mill's scene: a drum with eight lifters (drum.hpp), balls by Bond's distribution
+// (charge.hpp), and how it is filled.
+//
+//   ball_mill::Scene s;
+//   auto sim = ball_mill::filled_mill(s, threads);
+//   sim.set_motion("drum", ball_mill::turning(sim.time(), s.rate()));
+//   sim.run(s.turn(), silt::vtk_series("out", silt::every(0.05)));
 
 #include <algorithm>
 #include <array>
@@ -15,7 +20,6 @@
 #include <utility>
 #include <vector>
 
-#include <silt/measure/side_view.hpp>
 #include <silt/silt.hpp>
 
 #include "ball_mill/charge.hpp"
@@ -51,12 +55,12 @@ struct Scene {
   }
 };
 
-/// Seen along y the drum turns clockwise, so that the bed is high on the left as in the paper.
+/// Seen along y the drum rotates clockwise: the bed is high on the left, as in the paper.
 inline silt::Motion turning(double now, double rate) {
   return silt::from(now, silt::rotation({0, 0, 0}, {0, 1, 0}, rate));
 }
 
-/// Diameters [m] of all balls, in the order in which they are put in.
+/// Diameters [m] of all balls, in the order of insertion.
 inline std::vector<double> ball_sizes(const Scene& s, silt::Random& random) {
   std::vector<double> out;
   const auto classes = bond_classes(s.drum().least);
@@ -67,7 +71,7 @@ inline std::vector<double> ball_sizes(const Scene& s, silt::Random& random) {
   return out;
 }
 
-/// The space that repeats along the axis, in place of end walls.
+/// The domain, periodic along the axis; it replaces end walls.
 inline silt::PeriodicBox period(const Scene& s) {
   const double R = s.radius();
   return {{{-R, 0, -R}, {R, s.length, R}}, {false, true, false}};
@@ -86,8 +90,8 @@ auto make_mill(const Scene& s, silt::Particles<silt::Sphere> balls, int threads,
   return sim;
 }
 
-/// Balls of the next sizes for the free upper part of the drum, at places of a lattice that are
-/// free; those that found one are taken off the end of `sizes`.
+/// Balls of the next sizes at free lattice sites in the free upper part of the drum; those placed
+/// are removed from the end of `sizes`.
 template <class IsFree>
 silt::Particles<silt::Sphere> batch(const Scene& s, std::vector<double>& sizes,
                                     silt::Random& random, const IsFree& is_free) {
@@ -113,7 +117,7 @@ silt::Particles<silt::Sphere> batch(const Scene& s, std::vector<double>& sizes,
   return out;
 }
 
-/// The drum, filled and at rest; the number of balls is that of the case.
+/// The drum, filled and at rest, with the case's number of balls.
 template <class... Policies>
 auto filled_mill(const Scene& s, int threads, const Policies&... policies) {
   silt::Random random(s.seed);
@@ -139,57 +143,6 @@ auto filled_mill(const Scene& s, int threads, const Policies&... policies) {
   }
   sim.run(2 * fall);
   return sim;
-}
-
-/// The view along the axis, of the whole drum.
-inline silt::SideView film(const Scene& s) {
-  const double R = s.radius();
-  return silt::SideView(-R, R, -R, R, Scene::pixel);
-}
-template <class Sim>
-void add_frame(silt::SideView& view, const Sim& sim) {
-  view.next_frame();
-  for (std::size_t k = 0; k < sim.rows(); ++k)
-    view.add_disc(sim.position(k).x, sim.position(k).z, sim.radius(k));
-}
-
-/// Turns the filled drum, and films it after the first turns.
-template <class Sim, class... Observers>
-silt::SideView turn_and_film(const Scene& s, Sim& sim, Observers&&... observers) {
-  sim.set_motion("drum", turning(sim.time(), s.rate()));
-  sim.run(s.before * s.turn());
-  auto view = film(s);
-  const double duration = s.turns * s.turn();
-  sim.run(duration,
-          silt::at(silt::every(duration / static_cast<double>(s.frames)),
-                   [&](const auto& at) { add_frame(view, at); }),
-          observers...);
-  return view;
-}
-
-/// The angle of repose [degrees] of a case with these pair values: what a calibration compares.
-inline double mill_angle(const Scene& s, int threads) {
-  const auto angle = [&](auto sim) {
-    return silt::repose_line(turn_and_film(s, sim).share()).angle;
-  };
-  return s.periodic ? angle(filled_mill(s, threads, period(s))) : angle(filled_mill(s, threads));
-}
-
-/// The angles [degrees] of the three dry drums. `like` has what is not varied.
-inline std::array<double, 3> mill_targets(double restitution, double friction, Scene like = {},
-                                          int threads = 1) {
-  std::array<double, 3> out{};
-  like.restitution = restitution, like.friction = friction;
-  for (std::size_t k = 0; k < mills.size(); ++k)
-    like.name = mills[k].name, out[k] = mill_angle(like, threads);
-  return out;
-}
-/// [degrees^2] sum of squares of what they are off the recordings of balls alone.
-inline double squared_error(const std::array<double, 3>& angles) {
-  double sum = 0;
-  for (std::size_t k = 0; k < mills.size(); ++k)
-    sum += (angles[k] - mills[k].angle) * (angles[k] - mills[k].angle);
-  return sum;
 }
 
 }  // namespace ball_mill

@@ -1,7 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The wet mill: slurry by SPH in the pores of the balls and around them.
+// The wet mill's scene: slurry (SPH) in the pores between the balls and around them.
+//
+//   auto dry = ball_mill::filled_mill(s, threads);
+//   auto sim = ball_mill::wet_mill(s, ball_mill::Slurry{}, dry, threads);
 
 #include <algorithm>
 #include <cmath>
@@ -21,13 +24,13 @@ struct Slurry {
   double spacing = 5e-3;                       // [m] of the particles, as in the paper
   double density = 1400, viscosity = 0.01134;  // [kg/m3], [Pa s]
   double share = 0.2;      // [-] of the drum's volume: what balls leave of the half that is filled
-  double sound = 16;       // [m/s] seven times what 999 of 1000 particles stay below
+  double sound = 18;       // [m/s] seven times what 999 of 1000 particles stay below
   double alpha = 0.1;      // [-] artificial viscosity, for stability
   double smoothing = 0.8;  // [-] h over sqrt(3) spacings
   double kinematic() const { return viscosity / density; }  // [m2/s]
 };
 
-/// Distance [m] of a point from the lifters, of which one is at half a pitch from the x axis.
+/// Distance [m] of a point from the lifters; one lifter is at half a pitch from the x axis.
 inline double from_lifters(const Scene& s, const Vec3d& x) {
   const double pitch = 2 * std::numbers::pi / lifter_count;
   const double turn = std::remainder(std::atan2(x.z, x.x) - 0.5 * pitch, pitch);
@@ -37,8 +40,8 @@ inline double from_lifters(const Scene& s, const Vec3d& x) {
   return below > 0 && beside > 0 ? std::hypot(below, beside) : std::max(below, beside);
 }
 
-/// The lattice's places in the free space of the drum and outside the balls: those that are lowest,
-/// as many as the slurry's volume needs. inside(x) for Sph::fill.
+/// Lattice sites in the free space of the drum, outside the balls: the lowest ones, as many as the
+/// slurry volume needs. inside(x) for Sph::fill.
 class SlurryPlaces {
  public:
   template <class Sim>
@@ -54,7 +57,7 @@ class SlurryPlaces {
     const auto count = static_cast<std::size_t>(std::lround(steps));
     silt::require(count > 0 && count <= heights.size(), "ball_mill: a slurry of ", count,
                   " particles does not fit into the drum");
-    // The layer to which there are about as many.
+    // The layer up to which there are about as many.
     std::nth_element(heights.begin(), heights.begin() + static_cast<std::ptrdiff_t>(count) - 1,
                      heights.end());
     const double last = heights[count - 1];
@@ -100,6 +103,26 @@ inline auto make_slurry(const Scene& s, const Slurry& slurry) {
                    silt::MirroredWalls{},
                    silt::RestoredVolume{},
                    silt::Mixed{}};
+}
+
+/// The settled balls, with slurry between and over them.
+template <class Dry>
+auto wet_mill(const Scene& s, const Slurry& slurry, const Dry& dry, int threads) {
+  auto water = make_slurry(s, slurry);
+  // A particle that leaves all others loses, by the continuity equation, their contribution to the
+  // kernel sum, up to 0.8 of its density, and regains it on return. Also, approaching balls squeeze
+  // the slurry between them.
+  water.least_density = 0.1, water.most_density = 1.5;
+  water.fill(SlurryPlaces(s, slurry, dry));
+  silt::Particles<silt::Sphere> balls;
+  for (std::size_t k = 0; k < dry.rows(); ++k)
+    balls.add({.position = dry.position(k), .radius = dry.radius(k), .density = steel_density});
+  auto sim = make_mill(s, std::move(balls), threads, std::move(water));
+  // A step of the slurry is a whole number of the balls' steps, as many as its fastest pairs allow:
+  // with short steps of the balls it comes closer to the limit (Sph::steps_wanted).
+  const auto& setup = sim.fluid().setup();
+  sim.time_step = std::min(dry.step_length(), setup.courant * setup.h() / (6 * slurry.sound));
+  return sim;
 }
 
 }  // namespace ball_mill

@@ -6,7 +6,7 @@
 
 namespace ball_mill {
 
-/// The wet mill (wet.cpp): its own checks and picture; the program's status.
+/// The wet mill (wet.cpp): its own checks and picture; returns the program's exit status.
 int run_wet(const Scene& s, const Slurry& slurry, double seconds, const example::Options& options);
 
 }  // namespace ball_mill

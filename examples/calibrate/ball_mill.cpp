@@ -1,12 +1,12 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Restitution and friction of the balls of a laboratory mill from the angles of repose that were
-// measured in recordings of its three drums (docs/ball_mill.md).
+// Restitution and friction of the balls of a laboratory mill from the angles of repose measured in
+// recordings of its three drums (docs/ball_mill.md).
 
 #include <cstdint>
 #include <vector>
 
-#include "ball_mill/scene.hpp"
+#include "ball_mill/measure.hpp"
 #include "calibrate/cases.hpp"
 
 namespace {

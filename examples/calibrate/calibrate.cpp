@@ -1,7 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Parameters of scenes from what was measured: `calibrate NAME` runs one of the calibrations beside
-// this file, which end in a table, a picture, and recommended values with intervals. Killed and
+// Parameters of scenes from measurements: `calibrate NAME` runs one of the calibrations beside this
+// file. Each ends in a table, a picture, and recommended values with intervals. An interrupted
+// calibration continues when it is started again.
 // begun again it goes on.
 
 #include <unistd.h>
@@ -63,11 +64,12 @@ int run(const calibrate::Entry& entry, const example::Options& options, const Wi
   summary.result("runs_that_failed", static_cast<double>(result.failures()));
   summary.result("chi2", result.chi2);
   summary.result("wall_time_s", clock.seconds());
-  // Values that do not give what was measured: chi^2 of as many targets exceeds this in 1 of 1000.
+  // Values that do not reproduce the measurements: chi^2 of as many targets exceeds this in 1 of
+  // 1000.
   const double targets = static_cast<double>(c.targets.size()), w = 2 / (9 * targets);
   summary.check_at_most("chi2", result.chi2, targets * std::pow(1 - w + 3.09 * std::sqrt(w), 3));
-  // A posterior that is too narrow or beside the truth, where that is known: within twice the
-  // interval (some four deviations).
+  // Fails for a posterior that is too narrow or misses the truth, where that is known: within twice
+  // the interval (about four deviations).
   for (std::size_t k = 0; k < c.planted.size(); ++k) {
     const auto& p = result.parameters[k];
     const auto& given = c.parameters[k];

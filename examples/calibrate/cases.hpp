@@ -12,13 +12,13 @@
 /// The calibrations of `./run calibrate NAME`: one file each, which registers itself.
 namespace calibrate {
 
-/// How a case is to be run.
+/// Options of a case.
 struct Setting {
   bool quick;   // a smaller one of the same physics
   int threads;  // of a run
 };
 
-/// A scene as a function of parameters, and what was measured of it.
+/// A scene as a function of parameters, and the measured values.
 struct Case {
   std::vector<silt::CalibrationParameter> parameters;
   std::vector<silt::CalibrationTarget> targets;
@@ -36,7 +36,7 @@ inline std::vector<Entry>& all() {
   return entries;
 }
 
-/// const calibrate::Registered here{"heap", "what is found by what, in a line", make};
+/// const calibrate::Registered here{"heap", "what is found from what, in one line", make};
 struct Registered {
   Registered(const std::string& name, const std::string& about,
              std::function<Case(const Setting&)> make) {
@@ -44,9 +44,9 @@ struct Registered {
   }
 };
 
-/// Sets the measured values of a case to the mean of what its scene gives at the planted parameters
-/// in `runs` runs, each off by a random error of its own deviation: a calibration of which the
-/// truth is known.
+/// Sets the measured values of a case to the mean of the scene's outputs at the planted parameters
+/// over `runs` runs, each with a random error of its own deviation: a calibration whose true answer
+/// is known.
 inline void plant(Case& c, std::vector<double> parameters, std::uint64_t seed, int runs) {
   silt::Random random(seed);
   for (int run = 0; run < runs; ++run) {

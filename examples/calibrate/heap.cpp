@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
 // Sliding and rolling friction from a heap and two throws of one grain. A column of spheres
-// collapses in a channel that is periodic across, over a floor of glued spheres; the heap's angle
-// and run-out depend on both frictions, so that they are known together only. How far a grain rolls
-// on a plane, and how far it slides before it rolls, tells them apart.
+// collapses in a channel, periodic across, on a floor of glued spheres. The heap's angle and
+// run-out depend on both frictions and cannot separate them. The distance that a grain rolls on a
+// plane, and the distance that it slides before it rolls, can.
 
 #include <algorithm>
 #include <cmath>
@@ -29,7 +29,7 @@ silt::HertzMindlin::Material material(double friction) {
   return {.youngs_modulus = 2e6, .poisson_ratio = 0.3, .restitution = 0.3, .friction = friction};
 }
 
-/// Angle [degrees] of the heap, and how far its outermost tenth lies from the wall, over the
+/// Angle [degrees] of the heap, and distance of its outermost tenth from the wall, over the
 /// column's length [-].
 std::vector<double> collapse(double friction, double rolling, std::size_t grains, int threads,
                              std::uint64_t seed) {
@@ -73,11 +73,11 @@ std::vector<double> collapse(double friction, double rolling, std::size_t grains
   const std::size_t outermost = x.size() / 10;
   double out = 0;
   for (std::size_t k = 0; k < outermost; ++k) out += x[k] / static_cast<double>(outermost);
-  // The angle of a triangle with the heap's centre of mass, over the middles of the glued grains.
+  // The angle of a triangle with the heap's centre of mass, above the centres of the glued grains.
   return {std::atan((sum.z - radius * n) / sum.x) * 180 / std::numbers::pi, out / length};
 }
 
-/// How far [mm] one grain rolls on a plane, from 0.3 m/s of pure rolling, within 4 s.
+/// Distance [mm] that one grain rolls on a plane within 4 s, from 0.3 m/s of pure rolling.
 double rolled(double friction, double rolling) {
   silt::Particles<silt::Sphere> one;
   one.add({.position = {0, 0, radius},
@@ -92,8 +92,8 @@ double rolled(double friction, double rolling) {
   return 1e3 * sim.position(0).x;
 }
 
-/// How far [mm] one grain slides that is thrown along a plane at 0.5 m/s without spin, until its
-/// sliding is a hundredth of that: then it rolls.
+/// Distance [mm] that one grain slides, thrown along a plane at 0.5 m/s without spin, until its
+/// slip velocity is a hundredth of that: then it rolls.
 double slid(double friction, double rolling) {
   silt::Particles<silt::Sphere> one;
   one.add(

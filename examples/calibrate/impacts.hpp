@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Three balls hit a plate, straight and at two angles: milliseconds of computing, and outputs that
-// depend on restitution, friction and stiffness in known ways.
+// Three balls hit a plate, one normally and two obliquely: milliseconds of computing time, and
+// outputs that depend on restitution, friction and stiffness in known ways.
 
 #include <cmath>
 #include <numbers>
@@ -12,8 +12,8 @@
 
 namespace calibrate {
 
-/// Rebound over impact speed of the straight one [-]; tangential speed after over before at 25 and
-/// 50 degrees from the normal [-]; contact time of the straight one [us].
+/// Rebound speed over impact speed of the normal impact [-]; tangential speed after over before at
+/// 25 and 50 degrees from the normal [-]; contact time of the normal impact [us].
 ///   p: restitution [-], friction [-], Young's modulus [Pa]
 inline std::vector<double> impacts(const std::vector<double>& p) {
   constexpr double radius = 5e-3, density = 2500, speed = 1;  // [m], [kg/m3], [m/s]
@@ -31,7 +31,7 @@ inline std::vector<double> impacts(const std::vector<double>& p) {
   silt::Simulation sim{std::move(balls), silt::Contacts<silt::HertzMindlin>{material}};
   sim.gravity = {0, 0, 0};
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, material);
-  // Hertz' contact time, 2.87 (m^2/(R E*^2 v))^(1/5), of ball and plate of one material.
+  // Hertz contact time, 2.87 (m^2/(R E*^2 v))^(1/5), of ball and plate of one material.
   const double stiff = p[2] / (2 * (1 - 0.25 * 0.25)), m = density * silt::Sphere::volume(radius);
   const double contact = 2.87 * std::pow(m * m / (radius * stiff * stiff * speed), 0.2);
   const double step = contact / 60;  // [s]

@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A shear cell: spheres in a box that repeats are sheared at a constant rate under a constant
-// normal stress, at several inertial numbers I = rate d sqrt(density/stress). Drawn are the
-// effective friction mu(I) and the solid fraction over I.
+// A shear cell: spheres in a periodic box are sheared at a constant rate under constant normal
+// stress, at several inertial numbers I = rate d sqrt(density/stress). Plots: effective friction
+// mu(I) and solid fraction over I.
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,8 @@
 
 #include <silt/files/csv_table.hpp>
 
-#include "cells/cell.hpp"
+#include "cells/scene.hpp"
+#include "support/example.hpp"
 
 namespace {
 
@@ -21,7 +22,7 @@ struct Steady {
   double friction = 0, error = 0;                 // [-] and of its mean
   double profile = 0, error_of_profile = 0;       // [-] slope of the velocity over the rate
 };
-/// Mean of blocks that are taken for independent, and the standard error of it.
+/// Mean of blocks that are assumed independent, and its standard error.
 void mean_of(const std::vector<double>& blocks, double& mean, double& error) {
   const auto n = static_cast<double>(blocks.size());
   mean = error = 0;
@@ -29,13 +30,13 @@ void mean_of(const std::vector<double>& blocks, double& mean, double& error) {
   for (const double b : blocks) error += std::pow(b - mean, 2) / (n * (n - 1));
   error = std::sqrt(error);
 }
-/// mu(I) of P. Jop, Y. Forterre, O. Pouliquen, Nature 441 (2006) 727, with these constants:
+/// mu(I) of P. Jop, Y. Forterre, O. Pouliquen, Nature 441 (2006) 727, with these constants;
 /// recalled.
 double law(double inertial, double mu_s, double mu_2, double I_0) {
   return mu_s + (mu_2 - mu_s) / (1 + I_0 / inertial);
 }
 
-/// Shears by `strain` to forget the past, then by as much again to measure.
+/// Shears by `strain` to forget the initial state, then by the same strain to measure.
 template <class Sim>
 Steady shear(Sim& sim, const cells::Sample& s, double inertial, double least_strain) {
   // Fast shear gets 60 inertial times, in which the servo finds the volume.
@@ -58,7 +59,8 @@ Steady shear(Sim& sim, const cells::Sample& s, double inertial, double least_str
                      shear += box.stress().xy, stress += box.stress().y;
                      out.fraction += cells::solid_fraction(now) / samples;
                      out.stress += box.stress().y / s.pressure / samples;
-                     // Least squares of the velocity over the height: of the images inside.
+                     // Least squares of the velocity over the height, with periodic images mapped
+                     // into the box.
                      for (std::size_t k = 0; k < now.rows(); ++k) {
                        const auto at = now.position(k), p = box.wrapped(at);
                        const auto v = now.velocity(k) + box.flow_at(p) - box.flow_at(at);
@@ -113,8 +115,9 @@ int main(int argc, char** argv) {
       summary.result(of + "mu", a.friction), summary.result(of + "solid fraction", a.fraction);
       summary.check_within(of + "normal stress over the one wanted", a.stress, 1, 0.02,
                            "servo, in the mean");
-      // 0 or 2 where the images' velocities are wrong. Slow shear is not even over a strain of 2:
-      // at I = 0.003 and 0.001 it is 0.87 and 1.10, of 200 samples and of 1000.
+      // 0 or 2 if the velocities of periodic images are wrong. Slow shear is not uniform over a
+      // strain of 2: at I = 0.003 and 0.001 the value is 0.87 and 1.10, for 200 samples and for
+      // 1000.
       summary.check_within(of + "slope of the velocity's profile over the rate", a.profile, 1,
                            0.03 + 4 * a.error_of_profile,
                            "0.03 and four standard errors of ten blocks");
@@ -124,8 +127,8 @@ int main(int argc, char** argv) {
     silt::write_particles(options.out + "/spheres.vtp", sim);
     summary.result("seconds", watch.seconds());
     // Slow shear: 0.36 to 0.41 in simulations of spheres with friction of 0.5; recalled (S.
-    // Chialvo, J. Sun, S. Sundaresan, Phys. Rev. E 85 (2012) 021305: 0.382 at rest; their 0.01 adds
-    // some hundredths).
+    // Chialvo, J. Sun, S. Sundaresan, Phys. Rev. E 85 (2012) 021305: 0.382 for I -> 0; at I = 0.01
+    // some hundredths more).
     for (const Steady& a : all)
       if (a.inertial <= 0.011)
         summary.check_within(silt::text("I = ", a.inertial, ": mu of slow shear"), a.friction,
@@ -138,7 +141,7 @@ int main(int argc, char** argv) {
     summary.check_at_least("mu rises with I", rises, 1);
     summary.check_at_least("the solid fraction falls with I", dilates, 1);
     // da Cruz et al., Phys. Rev. E 72 (2005) 021309, and GDR MiDi, Eur. Phys. J. E 14 (2004) 341:
-    // mu grows by 0.1 to 0.3 up to I = 0.3; recalled.
+    // mu increases by 0.1 to 0.3 up to I = 0.3; recalled.
     summary.check_within("mu at I = 0.3 less that at 0.01", all[0].friction - all[3].friction, 0.18,
                          0.1, "band of published curves; recalled");
     summary.write(options.out + "/summary.json");

@@ -1,10 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Triaxial compression: spheres in a box that repeats are compressed to a pressure, once without
-// friction between them (a dense sample) and once with it (a loose one); then one axis is shortened
-// at a constant rate while the other two keep their stress. Drawn are the ratio of stresses and the
-// volume over the axial strain, as soil mechanics draws them, and how far the contacts have turned
-// to the shortened axis: the fabric.
+// Triaxial compression: spheres in a periodic box are compressed isotropically, once without
+// friction (a dense sample) and once with friction (a loose one). Then one axis is shortened at a
+// constant rate at constant lateral stress. Plots, as usual in soil mechanics: stress ratio and
+// volumetric strain over axial strain, and the alignment of the contacts with the shortened axis
+// (fabric).
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,8 @@
 
 #include <silt/files/csv_table.hpp>
 
-#include "cells/cell.hpp"
+#include "cells/scene.hpp"
+#include "support/example.hpp"
 
 namespace {
 
@@ -55,8 +56,8 @@ struct Test {
 /// [deg] sin(phi) = 3 (q/p)/(6 + q/p) in triaxial compression.
 double angle(double q_over_p) { return std::asin(3 * q_over_p / (6 + q_over_p)) * 180 / M_PI; }
 
-/// Fzz - (Fxx + Fyy)/2 of the fabric F, the mean of n n^T over the contacts [-]: 0 where no
-/// direction is preferred, 1 where all contacts are along z.
+/// Fzz - (Fxx + Fyy)/2 of the fabric F, the mean of n n^T over the contacts [-]: 0 if no direction
+/// is preferred, 1 if all contacts are along z.
 template <class Sim>
 double anisotropy(const Sim& sim) {
   const auto fabric = silt::fabric(sim);
@@ -71,7 +72,7 @@ Test run(const cells::Sample& s, bool dense, double inertial, double most_strain
   auto sim = cells::make_cell(s, options.threads);
   if (!dense) cells::make_rough(sim);
   cells::compress(sim, s);
-  // One contact of random direction has a deviation of 3/2 sqrt(4/45) = 1/sqrt(5).
+  // One contact of random direction has a standard deviation of 3/2 sqrt(4/45) = 1/sqrt(5).
   test.fabric = anisotropy(sim);
   test.noise = 1 / std::sqrt(5.0 * static_cast<double>(sim.touching_pairs()));
   cells::make_rough(sim);
@@ -81,7 +82,7 @@ Test run(const cells::Sample& s, bool dense, double inertial, double most_strain
   const double rate = inertial / s.inertial_time();
   sim.deform({.x = lateral, .y = lateral, .z = {.rate = -rate}});
   const silt::Upper3 from = sim.domain().strain();
-  // Each point is the mean of samples in its part of the strain.
+  // Each point is the mean of samples in its strain interval.
   constexpr int points = 100, samples = 20;
   Point sum{};
   int count = 0;
@@ -140,18 +141,18 @@ void check(example::Summary& summary, const Test& dense, const Test& loose, bool
   const auto ratio = [](const Point& p) { return p.q_over_p; };
   const auto fraction = [](const Point& p) { return p.fraction; };
   const double a = dense.late(ratio), b = loose.late(ratio);
-  // Frictionless packings of hard spheres jam at 0.64, and have 6 contacts a sphere less rattlers.
+  // Frictionless packings of hard spheres jam at 0.64, with 6 contacts per sphere without rattlers.
   summary.check_within("dense: solid fraction after the compression", dense.fraction, 0.645, 0.012,
                        "random close packing of spheres of nearly one size; recalled");
-  // Recalled of simulations of spheres with friction of 0.5 between them: Thornton, Geotechnique 50
-  // (2000) 43; Huang, Hanley, O'Sullivan and Kwok, Int. J. Numer. Anal. Methods 38 (2014) 1276.
+  // Recalled, from simulations of spheres with friction 0.5: Thornton, Geotechnique 50 (2000) 43;
+  // Huang, Hanley, O'Sullivan and Kwok, Int. J. Numer. Anal. Methods 38 (2014) 1276.
   summary.check_within("dense: critical friction angle [deg]", angle(a), 22, 4,
                        "18 to 26 degrees in simulations of spheres; recalled");
   summary.check_at_least("dense: peak over critical stress ratio", dense.peak() / a, 1.15);
   summary.check_at_least("dense: dilates", -dense.curve.back().volume, 0.02);
   summary.check_at_least("peak of the dense sample over that of the loose one",
                          dense.peak() / loose.peak(), 1.15);
-  // One critical state, whatever the sample was.
+  // One critical state, independent of the initial sample.
   summary.check_within("loose and dense: critical stress ratio", b, a, (quick ? 0.15 : 0.08) * a,
                        "fluctuations of a thousand spheres");
   const auto fabric = [](const Point& p) { return p.fabric; };

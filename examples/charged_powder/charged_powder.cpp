@@ -1,12 +1,12 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Powder on a metal plate that is shaken: grains charge by contact until their own charge holds
-// back more. Then the plate is turned over: image charges hold small grains, large ones fall.
+// Powder on a vibrated metal plate: contacts charge the grains until their own charge prevents
+// further transfer. Then the plate is turned over: image forces hold small grains, large ones fall.
 //
-// The frame is that of the plate, as image planes do not move; there shaking is a force on the
-// grains. These are soft, and an impact charges them (E/E_soft)^(2/5) times as much as the real
-// solid: --area-factor takes that back. There are no van der Waals' forces, which hold such grains
-// too, and there is no air.
+// The frame is that of the plate, as image planes cannot move; vibration is a body force in it. The
+// grains are soft, and an impact charges them (E/E_soft)^(2/5) times as much as the real solid:
+// --area-factor corrects this. Van der Waals forces, which also hold such grains, and air are left
+// out.
 
 #include <array>
 #include <cmath>
@@ -18,41 +18,14 @@
 #include <silt/boundary/domain.hpp>
 #include <silt/silt.hpp>
 
+#include "charged_powder/measure.hpp"
 #include "charged_powder/scene.hpp"
 #include "support/example.hpp"
 
 namespace {
 
-using powder::Scene, powder::Charges, powder::Sticking, powder::Law;
-using silt::Charge, silt::TriboCharge, silt::ElectricCharge, silt::Vec3d;
-
-auto make_simulation(const Scene& s) {
-  const double L = s.side();
-  silt::Particles<silt::Sphere> grains;
-  grains.fill({{0, 0, 0}, {L, L, 40 * s.r_max}}, {.radius = silt::uniform(s.r_min, s.r_max),
-                                                  .density = s.density,
-                                                  .count = s.particles,
-                                                  .arrangement = silt::Arrangement::Lattice});
-  silt::Contacts<Law, silt::SeveralMaterials> contacts{{s.powder(), s.metal()}};
-  contacts.set_pair(s.powder(), s.metal(), {.restitution = 0.7, .friction = s.friction});
-  const double rate = 2 * std::numbers::pi * s.frequency;  // [1/s]
-  silt::Simulation sim{
-      std::move(grains),
-      contacts,
-      silt::PeriodicBox{{{0, 0, 0}, {L, L, 1}}, {true, true, false}},
-      silt::ContactEvents{},
-      TriboCharge{Charge{.cutoff = 4 * s.r_max, .planes = {{{0, 0, 0}, {0, 0, 1}}}},
-                  {.work_functions = {4.5 - s.voltage, 4.5},
-                   .transfer_distance = s.delta,
-                   .area_factor = s.area_factor}},
-      silt::BodyForce{[s, rate](const silt::Seen& p) {
-        const double a = p.time < s.shaken ? s.speed * rate * std::sin(rate * p.time) : 0;
-        return Vec3d{0, 0, -p.mass * a};
-      }}};
-  sim.gravity = {0, 0, -s.g};
-  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, s.metal(), {.name = "plate"});
-  return sim;
-}
+using powder::Scene, powder::Charges, powder::Sticking;
+using silt::ElectricCharge;
 
 template <class Sim>
 void write_grains(const std::string& path, const Sim& sim) {
@@ -65,7 +38,7 @@ void write_grains(const std::string& path, const Sim& sim) {
                         });
 }
 
-/// Shakes the plate, and turns it over when the grains have come to rest.
+/// Vibrates the plate, and turns it over when the grains are at rest.
 template <class Sim>
 Sticking run(Sim& sim, const Scene& s, const std::string& out, Charges& charges) {
   const auto count = silt::on_contact_begin([&](const silt::ContactEvent& c) {
@@ -149,14 +122,15 @@ int simulate(const Scene& s, const example::Options& options) {
   summary.result("wall_time_s", whole.seconds());
   summary.check_within("charge_over_that_of_the_plate", charges.sum / charges.given, 1, 1e-9,
                        "rounding: what one end of a contact gets the other loses");
-  // The condenser closes at the potential difference: nobody is charged beyond.
+  // Charging stops at the contact potential difference: no grain exceeds that charge.
   summary.check_at_most("largest_charge_over_saturation", charges.most, 1);
   summary.check_within("charge_over_closed_form", charges.sum / charges.expected, 1, 0.02,
                        "overlaps are those of free impacts, and rest and other grains add to them");
   summary.check_at_most("charge_off_closed_form_at_any_time", charges.off, 0.02);
   summary.check_at_most("grains_lost",
                         grains - static_cast<double>(sim.size() + sim.outlet(0).count), 0);
-  // Those near the limit others' images may hold too: 10 % are not judged, and some more forgiven.
+  // Near the limit, images of other grains can hold a grain too: those within 10 % are not judged,
+  // and a few more are tolerated.
   summary.check_at_most("grains_not_as_their_image_says", sticking.wrong / sticking.judged, 0.05);
   summary.check_at_least("grains_that_stick", sticking.sum, 1);
   summary.check_at_least("grains_that_fall", grains - sticking.sum, 1);

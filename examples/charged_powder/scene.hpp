@@ -1,22 +1,25 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The charged powder's scene, the closed forms of its grains, and books of charges and of who
-// sticks.
+// The charged powder's scene: grains that charge on a plate of metal, which is shaken, and their
+// closed forms.
+//
+//   powder::Scene s;
+//   auto sim = powder::make_simulation(s);
+//   sim.run(s.shaken + s.rest);
+//   sim.gravity = {0, 0, s.g};  // the plate is turned over
+//   sim.run(s.falling, silt::vtk_series("out", silt::every(0.01)));
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <string>
-#include <vector>
+#include <utility>
 
 #include <silt/silt.hpp>
 
 namespace powder {
 
-using silt::Charge, silt::TriboCharge, silt::ElectricCharge;
+using silt::Charge, silt::TriboCharge, silt::ElectricCharge, silt::Vec3d;
 using Law = silt::HertzMindlin;
 
 struct Scene {
@@ -40,8 +43,8 @@ struct Scene {
   Law::Material metal() const {
     return {.youngs_modulus = 2e7, .poisson_ratio = 0.3, .restitution = 0.7, .friction = friction};
   }
-  /// Of a grain on the plate: charge at which no more passes [C]; shares of it that hold the
-  /// weight.
+  /// For a grain on the plate: the charge at which transfer stops [C]; the fractions of it whose
+  /// image force equals the weight.
   double saturation(double radius) const {
     return 2 * std::numbers::pi * Charge::eps0 * radius * radius * voltage / delta;
   }
@@ -49,12 +52,14 @@ struct Scene {
     const double weight = density * silt::Sphere::volume(radius) * g;
     return charge * charge / (16 * std::numbers::pi * Charge::eps0 * radius * radius) / weight;
   }
-  /// Where the image of a grain with this share of its saturation holds its weight [m].
+  /// Distance [m] at which the image force of a grain with this fraction of its saturation charge
+  /// equals its weight.
   double radius_at_limit(double share) const {
     return 3 * Charge::eps0 * std::pow(voltage * share / delta, 2) / (16 * density * g);
   }
   double early() const { return 0.15 * shaken; }  // [s] when a picture is taken
-  /// What n impacts do that press a grain into the plate by `overlap` [m]: 1/n0 of the exponential.
+  /// Effect of n impacts that press a grain into the plate by `overlap` [m]: 1/n0 of the
+  /// exponential.
   double charging(double radius, double approach) const {
     const Law::Material a = powder(), b = metal();
     const double overlap =
@@ -66,49 +71,33 @@ struct Scene {
   }
 };
 
-/// Charges, and the closed form of each grain: q_inf (1 - exp(-sum of 1/n0 over its impacts)).
-struct Charges {
-  const Scene& s;
-  std::vector<double> impacts;                   // [-] that sum, of each id
-  double sum = 0, saturation = 0, expected = 0;  // [C] of all grains, at the last look
-  double given = 0;                              // [C] by the plate
-  double off = 0, most = 0;                      // [-] largest so far, over saturation
-
-  explicit Charges(const Scene& scene) : s(scene), impacts(scene.particles, 0.0) {}
-  template <class Sim>
-  void look(const Sim& sim) {
-    sum = saturation = expected = 0;
-    for (std::size_t k = 0; k < sim.rows(); ++k) {
-      const double q = sim.template field<ElectricCharge>(k), full = s.saturation(sim.radius(k));
-      sum += q, saturation += full, expected += full * (1 - std::exp(-impacts[sim.id(k)]));
-      most = std::max(most, q / full);
-    }
-    given = sim.template given_by_wall<TriboCharge>("plate").sum;
-    off = std::max(off, std::abs(sum - expected) / saturation);
-  }
-};
-
-/// How many grains of each size stick to the plate turned over, and whether those do that should.
-struct Sticking {
-  static constexpr std::size_t classes = 14;
-  std::array<double, classes> stick{}, held{}, all{};
-  double sum = 0, judged = 0, wrong = 0;
-
-  /// `hold` [-]: by the image, over the weight; within 10 % of it nothing is said.
-  void add(const Scene& s, double radius, double hold, bool sticks) {
-    const double place = (radius - s.r_min) / (s.r_max - s.r_min) * classes;
-    const auto c = std::min(static_cast<std::size_t>(place), classes - 1);
-    all[c] += 1, stick[c] += sticks, held[c] += hold > 1, sum += sticks;
-    if (std::abs(hold - 1) > 0.1) judged += 1, wrong += sticks != (hold > 1);
-  }
-  void write(const Scene& s, const std::string& path) const {
-    silt::CsvTable table(path,
-                         {"radius [um]", "by their own image [%]", "that stick [%]", "grains"});
-    for (std::size_t c = 0; c < classes; ++c)
-      if (const double middle = (static_cast<double>(c) + 0.5) / classes; all[c] > 0)
-        table.add_row({1e6 * (s.r_min + middle * (s.r_max - s.r_min)), 100 * held[c] / all[c],
-                       100 * stick[c] / all[c], all[c]});
-  }
-};
+/// The grains over the plate, which is at rest in this frame: shaking is a force on them.
+inline auto make_simulation(const Scene& s) {
+  const double L = s.side();
+  silt::Particles<silt::Sphere> grains;
+  grains.fill({{0, 0, 0}, {L, L, 40 * s.r_max}}, {.radius = silt::uniform(s.r_min, s.r_max),
+                                                  .density = s.density,
+                                                  .count = s.particles,
+                                                  .arrangement = silt::Arrangement::Lattice});
+  silt::Contacts<Law, silt::SeveralMaterials> contacts{{s.powder(), s.metal()}};
+  contacts.set_pair(s.powder(), s.metal(), {.restitution = 0.7, .friction = s.friction});
+  const double rate = 2 * std::numbers::pi * s.frequency;  // [1/s]
+  silt::Simulation sim{
+      std::move(grains),
+      contacts,
+      silt::PeriodicBox{{{0, 0, 0}, {L, L, 1}}, {true, true, false}},
+      silt::ContactEvents{},
+      TriboCharge{Charge{.cutoff = 4 * s.r_max, .planes = {{{0, 0, 0}, {0, 0, 1}}}},
+                  {.work_functions = {4.5 - s.voltage, 4.5},
+                   .transfer_distance = s.delta,
+                   .area_factor = s.area_factor}},
+      silt::BodyForce{[s, rate](const silt::Seen& p) {
+        const double a = p.time < s.shaken ? s.speed * rate * std::sin(rate * p.time) : 0;
+        return Vec3d{0, 0, -p.mass * a};
+      }}};
+  sim.gravity = {0, 0, -s.g};
+  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, s.metal(), {.name = "plate"});
+  return sim;
+}
 
 }  // namespace powder

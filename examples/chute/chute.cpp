@@ -1,101 +1,28 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Wear of a transfer chute: ore falls onto a steep steel plate, slides down, goes through a bend
-// and leaves. A batch is fed and leaves, so that each place has seen all of it. What sliding
-// (Archard) and impacts (Finnie) wear is compared with contacts and impacts as they are read by
-// other ways, with the work of friction, and with a block that slides down.
+// Wear of a transfer chute: ore falls onto a steep steel plate, slides down, passes a bend and
+// leaves. A batch is fed and leaves entirely: the whole batch has passed each place. Wear by
+// sliding (Archard) and by impacts (Finnie) is compared with values from contacts and impacts
+// recorded by other means, with the friction work, and with a sliding block.
+//
+// The set-up is scene.hpp; measure.hpp has what is measured and closed forms, report.hpp tables and
+// checks.
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <string>
-#include <vector>
 
-#include <silt/silt.hpp>
-
+#include "chute/measure.hpp"
+#include "chute/report.hpp"
 #include "chute/scene.hpp"
 #include "support/example.hpp"
 
+namespace chute {
 namespace {
 
-using chute::Scene, chute::Worn;
-using silt::Vec3d;
-using Law = silt::HertzMindlin;
-using Sliding = silt::Wear<silt::Archard>;
-using Cutting = silt::Wear<silt::Finnie>;
-/// A law of one's own: the work of friction on each facet, in J in place of m3.
-struct FrictionWork {
-  double volume(const silt::WallRub& c) const { return c.tangential_force * c.slip * c.duration; }
-};
-using Rubbing = silt::Wear<FrictionWork>;
-
-auto make_simulation(const Scene& s) {
-  const Law::Material ore{
-      .youngs_modulus = 3e7, .poisson_ratio = 0.3, .restitution = 0.3, .friction = 0.5};
-  const Law::Material steel{
-      .youngs_modulus = 6e7, .poisson_ratio = 0.3, .restitution = 0.3, .friction = s.friction};
-  // Grains of ore are not round: rolling resistance above friction, so that they slide.
-  silt::Contacts<Law, silt::RollingEpsd, silt::SeveralMaterials> contacts{
-      {ore, steel}, {.rolling_friction = 0.5}};
-  contacts.set_pair(ore, steel, {.restitution = 0.3, .friction = s.friction});
-  silt::Simulation sim{silt::Particles<silt::Sphere>{},
-                       contacts,
-                       silt::ContactEvents{},
-                       Sliding{s.archard},
-                       Cutting{s.finnie},
-                       Rubbing{}};
-  sim.gravity = {0, 0, -s.g};
-  sim.add_wall(s.mesh(), steel, {.name = "chute"});
-  const double end = s.at(s.length(), 0, 0).z;
-  sim.add_outlet({{-2, -2, end - 0.5}, {4, 2, end - 0.15}});
-  sim.add_inlet(s.inlet(), {.radius = silt::uniform(s.r_min, s.r_max),
-                            .density = s.density,
-                            .velocity = {0, 0, -s.feed},
-                            .total = static_cast<std::uint64_t>(s.batch / s.mean_mass()),
-                            .mass_rate = s.rate});
-  return sim;
-}
-
-template <class M, class Sim>
-Worn worn_by(const Sim& sim, const Scene& s) {
-  Worn worn(s);
-  const silt::TriangleMesh mesh = s.mesh();
-  const auto volumes = silt::worn_volumes<M>(sim, "chute");
-  for (std::size_t t = 0; t < volumes.size(); ++t) {
-    const auto& [p, q, r] = mesh.triangles()[t];
-    const auto& x = mesh.vertices();
-    worn.add(s, 1.0 / 3 * (x[p] + x[q] + x[r]), mesh.normals()[t], volumes[t]);
-  }
-  return worn;
-}
-
-/// Wear by other routes than the modules': from contacts that are read now and then, and impacts.
-struct Seen {
-  static constexpr double sample = 0.5e-3;  // [s]
-  Worn sliding, impacts;
-  std::array<double, 18> angles{};  // [m3] cut by impacts at 0 to 5 degrees, 5 to 10, ...
-
-  template <class Sim>
-  void read_contacts(const Sim& now, const Scene& s) {
-    now.for_each_contact([&](const silt::ContactSeen& c) {
-      if (c.wall == silt::no_wall) return;
-      const std::size_t k = c.place_a;
-      const Vec3d v = now.velocity(k) + cross(now.angular_velocity(k), c.point - now.position(k));
-      const double way = norm(v - dot(v, c.normal) * c.normal) * sample;
-      sliding.add(s, c.point, c.normal, s.archard_factor() * c.normal_force * way);
-    });
-  }
-  void note(const silt::ContactEvent& c, double mass, const Scene& s) {
-    const double angle = std::atan2(c.normal_speed, c.tangential_speed);
-    const double V =
-        chute::cut(s.finnie, mass, std::hypot(c.normal_speed, c.tangential_speed), angle);
-    impacts.add(s, c.point, c.normal, V);
-    angles[static_cast<std::size_t>(std::min(angle / Scene::radians(5), 17.0))] += V;
-  }
-};
-
-/// Feeds the batch until all of it has left, and returns how much left [kg/s] in the steady part.
+/// Feeds the batch until all of it has left; returns the outflow [kg/s] in the steady part.
 template <class Sim>
 double run(Sim& sim, const Scene& s, const std::string& out, Seen& seen) {
   auto contacts =
@@ -128,49 +55,6 @@ double run(Sim& sim, const Scene& s, const std::string& out, Seen& seen) {
   return flow;
 }
 
-/// Depths in mm after 100 000 t, and at which angles impacts wear.
-void write_tables(const Scene& s, const std::string& out, const Worn& slid, const Worn& cuts,
-                  const Seen& seen, double fed) {
-  silt::CsvTable profile(out + "/profile.csv", {"place [m]", "sliding", "sliding by contacts",
-                                                "block", "impacts", "impacts by events"});
-  const double depth = 1e11 / fed / (s.cell() * s.width);
-  const auto block = chute::block(s);
-  for (std::size_t k = 0; k < block.size(); ++k)
-    profile.add_row({s.middle(k), depth * slid.floor[k], depth * seen.sliding.floor[k],
-                     1e11 * block[k], depth * cuts.floor[k], depth * seen.impacts.floor[k]});
-  silt::CsvTable by_angle(out + "/angles.csv", {"angle [degrees]", "share of wear [%]"});
-  for (std::size_t k = 0; k < seen.angles.size(); ++k)
-    by_angle.add_row({5 * static_cast<double>(k) + 2.5, 100 * seen.angles[k] / seen.impacts.all});
-}
-
-void check_wear(example::Summary& summary, const Scene& s, const Worn& slid, const Worn& cuts,
-                const Seen& seen, double work, double fed) {
-  summary.check_within("sliding_over_that_of_contacts", slid.all / seen.sliding.all, 1, 0.02,
-                       "contacts are read every half millisecond; impacts do not last as long");
-  summary.check_within("sliding_over_work_of_friction",
-                       slid.all / (s.archard_factor() * work / s.friction), 1, 1e-3,
-                       "grains slide all the way; loading the tangential springs takes some 1e-5");
-  summary.check_within("impacts_over_those_of_events", cuts.all / seen.impacts.all, 1, 1e-9,
-                       "rounding: the same impacts");
-  double elsewhere = 0;
-  for (std::size_t k = 0; k < cuts.floor.size(); ++k)
-    elsewhere += std::abs(cuts.floor[k] - seen.impacts.floor[k]);
-  summary.check_at_most("impacts_at_another_place", elsewhere / cuts.all, 5e-3);
-  const auto block = chute::block(s);
-  const double bend = s.upper + s.bend();
-  const auto over_block = [&](const char* name, double from, double to) {
-    double worn = 0, expected = 0;
-    for (std::size_t k = 0; k < block.size(); ++k)
-      if (s.middle(k) > from && s.middle(k) < to)
-        worn += slid.floor[k], expected += block[k] * s.cell() * s.width * fed;
-    summary.check_within(name, worn / expected, 1, 0.1,
-                         "grains next to the floor are slower than the mean, and bounce");
-  };
-  over_block("plate_over_block", s.landing() + 0.15, s.upper);
-  over_block("bend_over_block", s.upper, bend);
-  over_block("outflow_over_block", bend, s.length());
-}
-
 int simulate(const Scene& s, const example::Options& options) {
   const example::Stopwatch whole;
   auto sim = make_simulation(s);
@@ -183,14 +67,7 @@ int simulate(const Scene& s, const example::Options& options) {
   write_tables(s, options.out, slid, cuts, seen, fed);
 
   example::Summary summary;
-  summary.input("rate_kg_s", s.rate);
-  summary.input("batch_kg", s.batch);
-  summary.input("width_m", s.width);
-  summary.input("slope_of_plate_degrees", s.steep);
-  summary.input("slope_of_outflow_degrees", s.flat);
-  summary.input("friction_on_steel", s.friction);
-  summary.input("facet_m", s.facet);
-  summary.input("archard_k_over_h_1_pa", s.archard_factor());
+  add_inputs(summary, s);
   summary.result("sliding_mm3_per_t", 1e12 * slid.all / fed);
   summary.result("impacts_mm3_per_t", 1e12 * cuts.all / fed);
   summary.result("grains", grains);
@@ -217,10 +94,11 @@ int simulate(const Scene& s, const example::Options& options) {
 }
 
 }  // namespace
+}  // namespace chute
 
 int main(int argc, char** argv) {
   example::Command command("Wear of a transfer chute by sliding and impacts");
-  Scene scene;
+  chute::Scene scene;
   command.leave_out("--restart");
   command.add("--batch", scene.batch, 0.5, 1000, "Mass of the batch [kg]");
   command.add("--rate", scene.rate, 0.1, 5, "Feed rate [kg/s]");
@@ -233,6 +111,6 @@ int main(int argc, char** argv) {
       if (!command.given("--rate")) scene.rate = 1.2;
       scene.width = 0.07;
     }
-    return simulate(scene, command.options);
+    return chute::simulate(scene, command.options);
   });
 }

@@ -1,12 +1,19 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The chute's scene, its mesh, and the closed forms that its wear is compared with.
+// The chute's scene: a plate, a bend and an outflow of steel as one mesh, a batch of ore that is
+// fed, and the laws by which it wears the steel.
+//
+//   chute::Scene s;
+//   auto sim = chute::make_simulation(s);
+//   sim.run(s.batch / s.rate + 1, silt::vtk_series("out", silt::every(0.05)));
+//   silt::write_wear<chute::Sliding>("sliding.vtp", sim, "chute");
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 #include <vector>
 
@@ -15,6 +22,14 @@
 namespace chute {
 
 using silt::Vec3d;
+using Law = silt::HertzMindlin;
+using Sliding = silt::Wear<silt::Archard>;
+using Cutting = silt::Wear<silt::Finnie>;
+/// A user-defined law: the friction work on each facet, in J instead of m3.
+struct FrictionWork {
+  double volume(const silt::WallRub& c) const { return c.tangential_force * c.slip * c.duration; }
+};
+using Rubbing = silt::Wear<FrictionWork>;
 
 struct Scene {
   double rate = 4, batch = 20;                       // [kg/s], [kg]
@@ -44,11 +59,11 @@ struct Scene {
   double landing() const {  // [m] where the middle of what falls meets the plate
     return 0.5 * (inlet().min.x + inlet().max.x) / std::cos(radians(steep));
   }
-  /// Slope [rad] at a way s [m] from the upper end.
+  /// Slope [rad] at the distance s [m] along the chute from the upper end.
   double slope(double s) const {
     return radians(steep) - std::clamp((s - upper) / radius, 0.0, radians(steep - flat));
   }
-  /// The point at s, y, and a height h above the floor.
+  /// The point at s, y, and the height h above the floor.
   Vec3d at(double s, double y, double h) const {
     const double top = radians(steep), t = slope(s), l = std::max(s - upper - bend(), 0.0);
     const double u = std::min(s, upper), r = radius;
@@ -57,7 +72,7 @@ struct Scene {
         y,
         -u * std::sin(top) + r * (std::cos(top) - std::cos(t)) - l * std::sin(t) + h * std::cos(t)};
   }
-  /// The way s of a point on or above the chute.
+  /// The distance s of a point on or above the chute.
   double place(const Vec3d& p) const {
     const double top = radians(steep), end = radians(flat);
     const double s = p.x * std::cos(top) - p.z * std::sin(top);
@@ -83,44 +98,31 @@ struct Scene {
   }
 };
 
-/// Volumes [m3] of the floor by place, and of the whole chute.
-struct Worn {
-  std::vector<double> floor;
-  double all = 0;
-  explicit Worn(const Scene& s) : floor(static_cast<std::size_t>(s.rows()), 0.0) {}
-  void add(const Scene& s, const Vec3d& point, const Vec3d& normal, double volume) {
-    all += volume;
-    const auto k = static_cast<std::size_t>(s.place(point) / s.cell());
-    if (std::abs(normal.y) < 0.5) floor[std::min(k, floor.size() - 1)] += volume;
-  }
-};
-/// Finnie's law as textbooks write it, of speed [m/s] and angle [rad].
-inline double cut(const silt::Finnie& law, double mass, double speed, double angle) {
-  const double K = law.force_ratio;
-  const double f = std::tan(angle) <= K / 6
-                       ? std::sin(2 * angle) - 6 / K * std::pow(std::sin(angle), 2)
-                       : K / 6 * std::pow(std::cos(angle), 2);
-  return law.share_cutting * mass * speed * speed * f / (law.flow_stress * law.depth_ratio * K);
-}
-/// Depth [m/kg] that Archard's law gives a block, which falls onto the plate and slides down with
-/// the whole flow: k/(H b) (g cos(slope) + v^2/r), whatever the thickness of the flow. 0 before it
-/// lands.
-inline std::vector<double> block(const Scene& s) {
-  const double top = Scene::radians(s.steep), start = s.landing();
-  const double fall = 0.5 * (s.inlet().min.z + s.inlet().max.z) + start * std::sin(top) - s.r_max;
-  // What goes across the plate is lost, and friction takes its share of that impulse.
-  double v =
-      std::sqrt(s.feed * s.feed + 2 * s.g * fall) * (std::sin(top) - s.friction * std::cos(top));
-  std::vector<double> depth(Worn(s).floor.size(), 0.0);
-  for (std::size_t k = 0; k < depth.size(); ++k) {
-    const double at = s.middle(k), t = s.slope(at);
-    if (at < start) continue;
-    const bool bends = at > s.upper && at < s.upper + s.bend();
-    const double pressed = s.g * std::cos(t) + (bends ? v * v / s.radius : 0);  // [m/s2]
-    depth[k] = s.archard_factor() / s.width * pressed;
-    v = std::sqrt(std::max(v * v + 2 * s.cell() * (s.g * std::sin(t) - s.friction * pressed), 0.0));
-  }
-  return depth;
+inline auto make_simulation(const Scene& s) {
+  const Law::Material ore{
+      .youngs_modulus = 3e7, .poisson_ratio = 0.3, .restitution = 0.3, .friction = 0.5};
+  const Law::Material steel{
+      .youngs_modulus = 6e7, .poisson_ratio = 0.3, .restitution = 0.3, .friction = s.friction};
+  // Grains of ore are not round: rolling resistance above friction makes them slide.
+  silt::Contacts<Law, silt::RollingEpsd, silt::SeveralMaterials> contacts{
+      {ore, steel}, {.rolling_friction = 0.5}};
+  contacts.set_pair(ore, steel, {.restitution = 0.3, .friction = s.friction});
+  silt::Simulation sim{silt::Particles<silt::Sphere>{},
+                       contacts,
+                       silt::ContactEvents{},
+                       Sliding{s.archard},
+                       Cutting{s.finnie},
+                       Rubbing{}};
+  sim.gravity = {0, 0, -s.g};
+  sim.add_wall(s.mesh(), steel, {.name = "chute"});
+  const double end = s.at(s.length(), 0, 0).z;
+  sim.add_outlet({{-2, -2, end - 0.5}, {4, 2, end - 0.15}});
+  sim.add_inlet(s.inlet(), {.radius = silt::uniform(s.r_min, s.r_max),
+                            .density = s.density,
+                            .velocity = {0, 0, -s.feed},
+                            .total = static_cast<std::uint64_t>(s.batch / s.mean_mass()),
+                            .mass_rate = s.rate});
+  return sim;
 }
 
 }  // namespace chute

@@ -1,8 +1,14 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The crater's scene: a bed that is settled once, and what changes as it goes on; where its surface
-// is; fits of the laws of depth and force.
+// The crater's scene: a pot with a bed that is settled once, and what changes as it goes on.
+//
+//   crater::Scene s;
+//   auto sim = crater::make_simulation(s, true);  // the grains settle
+//   crater::run_until_rest(s, sim);
+//   silt::save_checkpoint(sim, "bed.silt");
+//   auto drop = crater::make_simulation(s, false, crater::Drop{7800, 0.05, level});  // [kg/m3],
+//   [m], [m] silt::load_checkpoint(drop, "bed.silt", {.materials = true, .walls = true});
 
 #include <algorithm>
 #include <cmath>
@@ -42,7 +48,8 @@ struct Scene {
     const double solid = 0.585 * std::numbers::pi * pot() * pot() * bed();
     return static_cast<std::size_t>(solid / mean_volume());
   }
-  /// Grains lose nearly all in an impact while they settle; after that they are those of glass.
+  /// While settling, grains lose nearly all energy at each impact; afterwards they have the
+  /// properties of glass.
   Law::Material glass(bool settles) const {
     return {.youngs_modulus = 1e7,
             .poisson_ratio = 0.25,
@@ -59,14 +66,14 @@ struct Scene {
   }
 };
 
-/// What is dropped, from where, and the level [m] that it falls to.
+/// The dropped ball, its height, and the level [m] onto which it falls.
 struct Drop {
   double density, height, level;                              // [kg/m3], [m] of free fall, [m]
   double speed() const { return std::sqrt(2 * g * height); }  // [m/s] at the level
 };
 
-/// The pot with its bed; of a drop, with the body too, just over the bed with the speed of its
-/// fall; other grains than those that settled, unless it `settles`.
+/// The pot with its bed; in a drop also the body, just above the bed with its impact speed, and
+/// other grain properties than in settling, unless it `settles`.
 inline auto make_simulation(const Scene& s, bool settles, const std::optional<Drop>& drop = {}) {
   silt::Contacts<Law, silt::SeveralMaterials> contacts{s.glass(settles)};
   if (drop) {
@@ -97,63 +104,16 @@ inline auto make_simulation(const Scene& s, bool settles, const std::optional<Dr
   return sim;
 }
 
-/// Depth [balls] at which a ball is at rest that is `over` times as dense as the bed and has fallen
-/// by `fall` [balls], its depth included: 0.14/mu over^(1/2) fall^(1/3), mu the tangent of the
-/// angle of repose. J. S. Uehara, M. A. Ambroso, R. P. Ojha, D. J. Durian, Phys. Rev. Lett. 90
-/// (2003) 194301; the powers as in their abstract, the factor recalled.
-inline double law_depth(double mu, double over, double fall) {
-  return 0.14 / mu * std::sqrt(over) * std::cbrt(fall);
+template <class Sim>
+double unrest(const Scene& s, const Sim& sim) {  // [-] mean energy over weight times diameter
+  return sim.kinetic_energy() / (sim.total_mass() * g * s.grain);
 }
-
-/// Where the bed's surface is: the solid above a height, packed as below it.
-class Surface {
- public:
-  template <class Sim>
-  Surface(const Scene& s, const Sim& sim) : scene_(s) {
-    for (std::size_t k = 0; k < sim.rows(); ++k)
-      if (sim.is_present(k)) grains_.push_back({sim.position(k), sim.radius(k)});
-    const double radius = 0.8 * s.pot(), area = std::numbers::pi * radius * radius;  // [m], [m2]
-    const auto inside = [&](const Vec3d& p) { return std::hypot(p.x, p.y) < radius; };
-    const double low = 0.2 * s.bed(), high = 0.7 * s.bed();
-    const double over = solid_over(low, inside);
-    fraction_ = (over - solid_over(high, inside)) / (area * (high - low));
-    level_ = low + over / (fraction_ * area);
-  }
-  double level() const { return level_; }        // [m]
-  double fraction() const { return fraction_; }  // [-] of solid
-  /// Slope [degrees] towards +x of the surface's middle, by strips across x.
-  double slope() const {
-    const double width = 2 * scene_.grain, half = 0.3 * scene_.pot(), low = 0.2 * scene_.bed();
-    double n = 0, x = 0, z = 0, xx = 0, xz = 0;
-    for (double at = -0.7 * scene_.pot(); at < 0.7 * scene_.pot(); at += width) {
-      const double over = solid_over(low, [&](const Vec3d& p) {
-        return std::abs(p.y) < half && p.x >= at && p.x < at + width;
-      });
-      const double middle = at + width / 2, height = over / (fraction_ * 2 * half * width);
-      n += 1, x += middle, z += height, xx += middle * middle, xz += middle * height;
-    }
-    return std::atan((n * xz - x * z) / (n * xx - x * x)) * 180 / std::numbers::pi;
-  }
-
- private:
-  struct Grain {
-    Vec3d at;
-    double radius;
-  };
-  /// [m3] above a height, of grains whose middles are inside.
-  template <class Inside>
-  double solid_over(double height, const Inside& inside) const {
-    double sum = 0;
-    for (const Grain& p : grains_) {
-      const double t = std::clamp(0.5 + 0.5 * (p.at.z - height) / p.radius, 0.0, 1.0);
-      if (t > 0 && inside(p.at)) sum += silt::Sphere::volume(p.radius) * t * t * (3 - 2 * t);
-    }
-    return sum;
-  }
-
-  const Scene& scene_;
-  std::vector<Grain> grains_;
-  double level_ = 0, fraction_ = 0;
-};
+/// Until the grains rest, but no longer than s.longest.
+template <class Sim>
+void run_until_rest(const Scene& s, Sim& sim) {
+  const double start = sim.time();
+  do sim.run(0.02, silt::progress());
+  while (unrest(s, sim) > 5e-4 && sim.time() - start < s.longest);
+}
 
 }  // namespace crater

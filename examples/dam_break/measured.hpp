@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Fronts and heights of collapsing columns as they were measured, and how a computed front is
-// compared with them. The originals were not read.
+// Measured fronts and heights of collapsing columns, and how a computed front is compared with
+// them. The original papers were not read.
 
 #include <algorithm>
 #include <cmath>
@@ -29,7 +29,7 @@ struct Curve {
   }
 };
 
-/// Z = x/a of the front, a column a wide and 2 a high, a = 2.25 in.
+/// Z = x/a of the front, of a column with the width a and the height 2 a, a = 2.25 in.
 /// Source: J. C. Martin, W. J. Moyce, Phil. Trans. R. Soc. Lond. A 244 (1952) 312, table 2, as
 ///   printed by others (Ocellaris, PySPH).
 inline Curve martin_moyce_front() {
@@ -39,7 +39,7 @@ inline Curve martin_moyce_front() {
       {0.41, 0.84, 1.19, 1.43, 1.63, 1.83, 1.98, 2.20, 2.32, 2.51, 2.65, 2.83, 2.98, 3.11, 3.33},
       {1.11, 1.22, 1.44, 1.67, 1.89, 2.11, 2.33, 2.56, 2.78, 3.00, 3.22, 3.44, 3.67, 3.89, 4.11}};
 }
-/// The same of a column of water of 0.146 m.
+/// The same for a column of water 0.146 m wide.
 /// Source: S. Koshizuka, Y. Oka, Nucl. Sci. Eng. 123 (1996) 421, as printed by others (PySPH).
 inline Curve koshizuka_oka_front() {
   return {"Koshizuka and Oka (1996)",
@@ -58,11 +58,11 @@ inline Curve martin_moyce_height() {
   return c;
 }
 
-/// How far a computed curve is from a measured one, rms: over the measured values, and as it is.
+/// Rms difference of a computed curve and a measured one: over the measured values, and absolute.
 struct Distance {
   double share = 0, plain = 0;  // [-]
 };
-/// The computed one is taken `late` earlier: T - late.
+/// The computed curve is evaluated at T - late.
 inline Distance distance(const Curve& computed, const Curve& measured, double late) {
   Distance sum;
   double rows = 0;
@@ -73,7 +73,7 @@ inline Distance distance(const Curve& computed, const Curve& measured, double la
   }
   return {std::sqrt(sum.share / rows), std::sqrt(sum.plain / rows)};
 }
-/// By which time the measured front is late: that with the least distance.
+/// Delay of the measured front: the one with the smallest difference.
 inline double lateness(const Curve& computed, const Curve& measured) {
   double best = 0, least = std::numeric_limits<double>::infinity();
   for (double late = -0.5; late < 1; late += 0.001)

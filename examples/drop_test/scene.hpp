@@ -1,12 +1,18 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The drop test's material and laws, and what they say that one impact, and many, should do.
+// The drop test's scene: grains that break and a plate of steel, their material and laws, and what
+// one impact should do by them.
+//
+//   drop_test::Scene s;
+//   auto sim = drop_test::make_simulation(s, 2e-3, 5, 1e-4, 1);  // [m], [m/s], [m] above the plate
+//   sim.run(1e-4, silt::breakage_table("breakage.csv", silt::every(1e-6)));
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <silt/silt.hpp>
@@ -16,7 +22,7 @@ namespace drop_test {
 using silt::Vec3d;
 using Law = silt::HertzMindlin;
 
-/// Grains of the synthetic material S and a plate of steel, both with their true moduli.
+/// Grains of the synthetic material S and a steel plate, both with their real moduli.
 struct Scene {
   std::vector<double> diameters{2e-3, 0.5e-3, 0.1e-3};  // [m]
   std::size_t grains = 4000;                            // of each size at each speed
@@ -53,10 +59,10 @@ struct Scene {
   }
   silt::PowerFatigue fatigue() const { return {.kappa = 0.1, .psi = 3}; }
 
-  /// An impact on the plate, by Hertz' formulas alone.
+  /// An impact on the plate, by Hertz' formulas only.
   silt::Impact impact(double diameter, double speed) const {
     const double m = mass(diameter), R = diameter / 2;
-    // By the dashpot, for contacts that the law ends at zero force: r^(3/2), r = e^(2/5).
+    // From the dashpot, for contacts that the law ends at zero force: r^(3/2), r = e^(2/5).
     const double lowered = std::pow(restitution, 0.6);
     const double kH = 4.0 / 3.0 * modulus() * std::sqrt(R);  // [N/m^1.5]
     return {.diameter = diameter,
@@ -68,7 +74,7 @@ struct Scene {
             .contact_force = NAN,
             .at_wall = true};
   }
-  /// [s] of contact with the plate.
+  /// [s] contact time with the plate.
   double touching(double diameter, double speed) const {
     return silt::hertz_contact_time(modulus(), diameter / 2, mass(diameter), speed);
   }
@@ -78,44 +84,42 @@ struct Scene {
   double selection(double diameter, double speed) const {  // [-]
     return silt::selection(strength(), equivalence(), impact(diameter, speed));
   }
-  /// [m/s] at which half of all grains break: the load grows as the speed to the power 6/5.
+  /// [m/s] at which half of all grains break: the load is proportional to the speed to the power
+  /// 6/5.
   double median_speed(double diameter) const {
     return std::pow(strength().median_at(diameter) / load(diameter, 1), 1 / 1.2);
   }
 };
 
-/// The number of the impact that breaks a grain of this strength, at most `most` + 1, if each has
-/// the same load.
-inline std::size_t breaking_impact(const silt::PowerFatigue& fatigue, double strength, double load,
-                                   std::size_t most) {
-  std::size_t n = 1;
-  for (; n <= most && load < strength; ++n) strength = fatigue.weakened(strength, load);
-  return n;
-}
-
-/// Share of all grains [-] that are broken after 1, 2, ... `most` impacts: those weaker than the
-/// strength from which on one more impact is needed, which bisection finds.
-inline std::vector<double> broken_after(const Scene& s, double diameter, double speed,
-                                        std::size_t most) {
-  const double load = s.load(diameter, speed);
-  std::vector<double> shares;
-  for (std::size_t n = 1; n <= most; ++n) {
-    double low = load, high = 1e3 * load;  // [N]
-    for (int halving = 0; halving < 100; ++halving) {
-      const double middle = std::sqrt(low * high);
-      (breaking_impact(s.fatigue(), middle, load, most) <= n ? low : high) = middle;
-    }
-    shares.push_back(s.strength().weaker(n == 1 ? load : low, diameter, s.mass(diameter)));
-  }
-  return shares;
-}
-
-/// The value that chi-square of n degrees of freedom exceeds with the probability that a normal
-/// deviate exceeds z. Source: E. B. Wilson, M. M. Hilferty, PNAS 17 (1931) 684; error below 1 % for
-/// n of 10 and more.
-inline double chi_square(double n, double z) {
-  const double w = 2 / (9 * n);
-  return n * std::pow(std::max(1 - w + z * std::sqrt(w), 0.0), 3);
+/// Grains side by side above the plate, far apart, each at the height `gap` [m] and moving down;
+/// their ids are 0, 1, ... No gravity: all hit the plate at the same speed.
+inline auto make_simulation(const Scene& s, double diameter, double speed, double gap,
+                            std::uint64_t seed) {
+  silt::Contacts<Law, silt::SeveralMaterials> contacts{{s.salt(), s.steel()}};
+  contacts.set_pair(s.salt(), s.steel(), {.restitution = s.restitution, .friction = 0.4});
+  silt::Particles<silt::Sphere> grains;
+  const auto row = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(s.grains))));
+  for (std::size_t k = 0; k < s.grains; ++k)
+    grains.add({.position = {3 * diameter * static_cast<double>(k % row),
+                             3 * diameter * static_cast<double>(k / row), diameter / 2 + gap},
+                .radius = diameter / 2,
+                .density = Scene::density,
+                .velocity = {0, 0, -speed}});
+  silt::Simulation sim{
+      std::move(grains), contacts,
+      silt::Breakage{
+          s.strength(),
+          s.equivalence(),
+          s.sizes(),
+          s.fatigue(),
+          {.dust_below = Scene::dust * diameter, .most_fragments = Scene::most, .seed = seed}},
+      silt::EnergyLedger{}};
+  sim.gravity = {0, 0, 0};
+  // Small fragments between the plate and a large one have larger overlaps than alone.
+  sim.guard.max_overlap = 0.6;
+  sim.time_step = s.touching(Scene::dust * diameter, speed) / 40;
+  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, s.steel(), {.name = "plate"});
+  return sim;
 }
 
 }  // namespace drop_test

@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Glass beads fall into a box: the shortest whole program. Open out/particles.pvd in ParaView.
+// Glass beads fall into a box: the shortest complete program. Open out/particles.pvd in ParaView.
 
 #include <silt/silt.hpp>
 

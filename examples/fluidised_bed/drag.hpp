@@ -5,9 +5,9 @@
 
 namespace fluidised {
 
-/// A drag law of one's own: Ergun's equation with the constants that a column of these grains gave
-/// (here 180 and 1.8: I. F. Macdonald et al., Ind. Eng. Chem. Fundam. 18 (1979) 199; recalled), Wen
-/// and Yu's law where grains are few.
+/// A user-defined drag law: Ergun's equation with the constants measured for a column of these
+/// grains (here 180 and 1.8: I. F. Macdonald et al., Ind. Eng. Chem. Fundam. 18 (1979) 199;
+/// recalled), Wen and Yu's law in dilute regions.
 struct OwnDrag {
   double viscous = 180, inertial = 1.8;  // [-]
 
@@ -19,8 +19,8 @@ struct OwnDrag {
   }
 };
 
-/// The law of --drag. One type, so that the bed is compiled once; `law` is the same for all grains,
-/// an `if` on it is right on lanes, too.
+/// The law selected by --drag. One type, to compile the bed once; `law` is the same for all grains,
+/// so an `if` on it is allowed in batches too.
 struct BedDrag {
   enum class Law { Ergun, Gidaspow, Syamlal, Own } law;
   silt::SyamlalOBrien syamlal{};

@@ -1,84 +1,24 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Hot gas through a cold bubbling bed: how fast gas and grains get warm, and where the heat goes.
-// The gas takes the grains' temperature within a grain or so. The grains get no more than all heat
-// that comes in, as long as the gas leaves the bed cold; and, where no bubble carries hot gas
-// through, no less than those of a bed that is mixed all the time, which gas leaves at their
+// Hot gas through a cold bubbling bed: how fast gas and grains heat up, and where the heat goes.
+// The gas reaches the grains' temperature within about a grain diameter. Upper bound for the
+// grains: all the heat that enters, as long as the gas leaves the bed cold. Lower bound, where no
+// bubble carries hot gas through: a perfectly mixed bed, which gas leaves at the grains'
 // temperature.
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <string>
 #include <vector>
 
-#include <silt/coupling/averaging/kernel.hpp>
-#include <silt/coupling/coupled_flow.hpp>
-#include <silt/coupling/drag/laws.hpp>
-#include <silt/module/heat/fluid_convection.hpp>
-
-#include "scene.hpp"
+#include "fluidised_bed/hot_bed.hpp"
+#include "fluidised_bed/hot_measure.hpp"
+#include "fluidised_bed/scene.hpp"
 
 namespace fluidised {
 namespace {
 
-auto make_hot_bed(const Scene& s, silt::Particles<silt::Sphere> grains) {
-  silt::FlowSolver flow(
-      silt::Grid(domain(s).box(), {s.across, s.deep, s.high}, {false, true, false}), s.gas);
-  flow.set_side(2, 0, silt::Inflow{});
-  flow.set_side(2, 1, silt::Outflow{});
-  flow.set_heat({.heat_capacity = s.gas_capacity,
-                 .conductivity = s.gas_conducts,
-                 .start_temperature = s.cold});
-  silt::Simulation sim{
-      std::move(grains), silt::Contacts<Law>{s.material()}, domain(s),
-      silt::CoupledFlow{silt::Gidaspow{}, silt::Kernel{.width = s.kernel}, std::move(flow)},
-      silt::Heat{silt::HeatConduction{.conductivity = s.conductivity,
-                                      .heat_capacity = s.grain_capacity,
-                                      .youngs_modulus = 63e9,  // [Pa] of glass
-                                      .start_temperature = s.cold},
-                 silt::FluidConvection<silt::Gunn>{}}};
-  add_floor_and_walls(sim, s, s.material());
-  return sim;
-}
-
-/// Of the grains [K], and the heat in them [J] beyond that of the cold ones.
-struct GrainHeat {
-  double mean = 0, least = std::numeric_limits<double>::infinity(), most = 0, stored = 0;
-};
-template <class Sim>
-GrainHeat heat_of_grains(const Sim& sim, const Scene& s) {
-  GrainHeat h;
-  for (std::size_t k = 0; k < sim.rows(); ++k) {
-    const double T = sim.template field<silt::Temperature>(k);
-    h.mean += T / static_cast<double>(sim.rows());
-    h.least = std::min(h.least, T), h.most = std::max(h.most, T);
-    h.stored += sim.mass(k) * s.grain_capacity * (T - s.cold);
-  }
-  return h;
-}
-
-/// Of the gas [K]: mean over all of it, and in the last cells before the outlet.
-struct GasHeat {
-  double mean = 0, out = 0;
-};
-GasHeat heat_of_gas(const silt::FlowSolver& flow, const Scene& s) {
-  GasHeat h;
-  double share = 0;
-  for (int k = 0; k < s.high; ++k)
-    for (int j = 0; j < s.deep; ++j)
-      for (int i = 0; i < s.across; ++i) {
-        const double m = flow.voidage()(i, j, k), T = flow.temperature()(i, j, k);
-        h.mean += m * T, share += m;
-        if (k == s.high - 1) h.out += T / (s.across * s.deep);
-      }
-  h.mean /= share;
-  return h;
-}
-
-/// The gas's temperature, mean over the depth, as a table.
+/// The gas temperature, averaged over the depth, as a table.
 void write_gas(const std::string& path, const silt::FlowSolver& flow, const Scene& s) {
   silt::CsvTable table(path, {"x [m]", "z [m]", "gas temperature [K]"});
   for (int k = 0; k < s.high; ++k)
@@ -89,139 +29,29 @@ void write_gas(const std::string& path, const silt::FlowSolver& flow, const Scen
     }
 }
 
-/// Brings the gas to the superficial velocity U [m/s] in 10 ms, and lets bubbles come for the rest
-/// of `span` [s].
-template <class Sim>
-void begin_to_bubble(Sim& sim, double U, double span) {
-  for (int k = 1; k <= 10; ++k) {
-    sim.fluid().flow().set_side(2, 0, silt::Inflow{{0, 0, U * k / 10}});
-    sim.run(1e-3);
-  }
-  sim.run(span - 0.01);
-}
-
 struct Pictures {
   std::vector<std::string> grains, gas, titles;
 };
 
-/// A bed through which hot gas blows from now on; what it got is counted from here.
+/// Runs for s.blowing; writes a table, a VTK series and the pictures' files to `out`.
 template <class Sim>
-class HotBed {
- public:
-  HotBed(const Scene& s, Sim& sim, double U) : s_(s), sim_(sim) {
-    brings_ = s.gas.density * s.gas_capacity * U * s.area();
-    holds_ = static_cast<double>(s.particles) * s.mass() * s.grain_capacity;
-    flow().set_side_heat(2, 0, {.temperature = s.hot_gas});
-    gas_before_ = flow().heat_book(), grains_before_ = heat_of_grains(sim, s);
-    begun_ = sim.fluid().time(), coldest_ = hottest_ = s.cold;
+Pictures blow(const Scene& s, Sim& sim, HotBed<Sim>& bed, const std::string& out) {
+  auto table = silt::table(out + "/temperatures.csv", HotBed<Sim>::columns(),
+                           silt::every(s.blowing / 200), [&](const auto&) { return bed.row(); });
+  auto series = silt::vtk_series(out + "/vtk", silt::every(s.blowing / 50));
+  Pictures pictures;
+  const int parts = 4;
+  for (int k = 0; k < parts; ++k) {
+    sim.run(s.blowing / parts, table, series, silt::progress());
+    const std::string name = out + "/hot_" + std::to_string(k);
+    silt::write_particles(name + ".vtp", sim), write_gas(name + ".csv", sim.fluid().flow(), s);
+    pictures.grains.push_back(name + ".vtp"), pictures.gas.push_back(name + ".csv");
+    char title[40];
+    std::snprintf(title, sizeof title, "%.3g s", (k + 1) * s.blowing / parts);
+    pictures.titles.push_back(title);
   }
-
-  /// Blows for s.blowing; leaves table, VTK series and pictures' files in `out`.
-  Pictures blow(const std::string& out) {
-    auto table = silt::table(
-        out + "/temperatures.csv",
-        {"time [s]", "gas at the outlet [K]", "gas [K]", "grains [K]", "coldest grain [K]",
-         "hottest grain [K]", "grains if mixed [K]", "grains if they keep all heat [K]",
-         "heat in less heat out [J]", "heat stored in gas [J]", "heat stored in grains [J]"},
-        silt::every(s_.blowing / 200), [this](const auto&) { return row(); });
-    auto series = silt::vtk_series(out + "/vtk", silt::every(s_.blowing / 50));
-    Pictures pictures;
-    const int parts = 4;
-    for (int k = 0; k < parts; ++k) {
-      sim_.run(s_.blowing / parts, table, series, silt::progress());
-      const std::string name = out + "/hot_" + std::to_string(k);
-      silt::write_particles(name + ".vtp", sim_), write_gas(name + ".csv", flow(), s_);
-      pictures.grains.push_back(name + ".vtp"), pictures.gas.push_back(name + ".csv");
-      char title[40];
-      std::snprintf(title, sizeof title, "%.3g s", (k + 1) * s_.blowing / parts);
-      pictures.titles.push_back(title);
-    }
-    return pictures;
-  }
-
-  void judge(example::Summary& summary) const {
-    const silt::FluidHeatBook& after = flow().heat_book();
-    const GrainHeat grains = heat_of_grains(sim_, s_);
-    const GasHeat gas = heat_of_gas(flow(), s_);
-    const double in = after.through_sides - gas_before_.through_sides;
-    const double in_gas = after.stored - gas_before_.stored;
-    const double in_grains = grains.stored - grains_before_.stored;
-    const double from_grains = after.from_particles - gas_before_.from_particles;
-    const double anew = after.counted_anew - gas_before_.counted_anew;
-    const double t = time(), rise = grains.mean - grains_before_.mean;
-    summary.result("time_s", t);
-    summary.result("heat_in_less_out_j", in);
-    summary.result("heat_stored_in_gas_j", in_gas);
-    summary.result("heat_stored_in_grains_j", in_grains);
-    summary.result("heat_of_gas_counted_anew_j", anew);
-    summary.result("grains_mean_k", grains.mean);
-    summary.result("gas_mean_k", gas.mean);
-    summary.result("gas_at_the_outlet_k", gas.out);
-    summary.result("grains_if_mixed_k", mixed());
-    summary.result("grains_if_they_keep_all_heat_k", all_kept());
-    // Sums of heat above 0 K, a hundred times what is stored, in thousands of steps.
-    summary.check_at_most("heat_balance_over_heat_in_grains",
-                          std::abs(in + anew - in_gas - in_grains) / in_grains, 1e-10);
-    summary.check_at_most("heat_from_gas_less_heat_in_grains_over_it",
-                          std::abs(from_grains + in_grains) / in_grains, 1e-10);
-    // What the solver's pressure leaves of the gas's volume, and jumps of the voidage.
-    summary.check_at_most("heat_of_gas_counted_anew_over_heat_in_grains",
-                          std::abs(anew) / in_grains, 0.01);
-    // The second law; 1e-9: rounding.
-    summary.check_at_most("hottest_k", hottest_, s_.hot_gas * (1 + 1e-9));
-    summary.check_at_least("coldest_k", coldest_, s_.cold * (1 - 1e-9));
-    summary.check_within("heat_in_while_the_outlet_is_cold_over_that_of_the_gas", while_cold_, 1,
-                         0.01, "gas comes in hot and leaves cold; a little is conducted in");
-    summary.check_at_most("rise_of_grains_over_that_of_all_heat", rise / (all_kept() - s_.cold), 1);
-    summary.check_at_least("rise_of_grains_over_that_of_a_mixed_bed", rise / (mixed() - s_.cold),
-                           0.95);
-    summary.check_at_most("largest_overlap", sim_.peak_overlap(), sim_.guard.max_overlap);
-    std::printf(
-        "\nAfter %.2f s: grains at %.1f K (%.1f K if mixed, %.1f K if they kept all heat), "
-        "gas at %.1f K, %.1f K at the outlet. Of %.4g J that stayed the grains have %.4g J.\n",
-        t, grains.mean, mixed(), all_kept(), gas.mean, gas.out, in, in_grains);
-  }
-
- private:
-  silt::FlowSolver& flow() const { return sim_.fluid().flow(); }
-  double time() const { return sim_.fluid().time() - begun_; }  // [s] with hot gas
-  /// [K] of grains that are one body, which takes all heat that the gas brings above its
-  /// temperature.
-  double mixed() const {
-    return s_.hot_gas - (s_.hot_gas - s_.cold) * std::exp(-time() * brings_ / holds_);
-  }
-  double all_kept() const {  // [K] of grains that get all heat of the gas above `cold`
-    return std::min(s_.cold + time() * brings_ * (s_.hot_gas - s_.cold) / holds_, s_.hot_gas);
-  }
-  std::array<double, 11> row() {
-    const GrainHeat grains = heat_of_grains(sim_, s_);
-    const GasHeat gas = heat_of_gas(flow(), s_);
-    const silt::FluidHeatBook& book = flow().heat_book();
-    const double in = book.through_sides - gas_before_.through_sides;
-    coldest_ = std::min(coldest_, grains.least), hottest_ = std::max(hottest_, grains.most);
-    if (gas.out - s_.cold < 1e-3 * (s_.hot_gas - s_.cold))
-      while_cold_ = in / (brings_ * time() * (s_.hot_gas - s_.cold));
-    return {time(),
-            gas.out,
-            gas.mean,
-            grains.mean,
-            grains.least,
-            grains.most,
-            mixed(),
-            all_kept(),
-            in,
-            book.stored - gas_before_.stored,
-            grains.stored - grains_before_.stored};
-  }
-
-  const Scene& s_;
-  Sim& sim_;
-  double brings_, holds_;  // [W/K] the gas, [J/K] the grains
-  silt::FluidHeatBook gas_before_;
-  GrainHeat grains_before_;
-  double begun_;
-  double coldest_, hottest_, while_cold_ = 0;  // [K], [K]; [-] heat in over that of the gas
-};
+  return pictures;
+}
 
 void add_inputs(example::Summary& summary, const Scene& s, double U, int threads) {
   summary.input("particles", static_cast<double>(s.particles));
@@ -237,7 +67,42 @@ void add_inputs(example::Summary& summary, const Scene& s, double U, int threads
   summary.input("threads", static_cast<double>(threads));
 }
 
-/// The pictures of a run whose tables are there; whether they could be drawn.
+template <class Sim>
+void judge(example::Summary& summary, const Scene& s, const Sim& sim, const HeatBalance& b) {
+  summary.result("time_s", b.time);
+  summary.result("heat_in_less_out_j", b.in);
+  summary.result("heat_stored_in_gas_j", b.in_gas);
+  summary.result("heat_stored_in_grains_j", b.in_grains);
+  summary.result("heat_of_gas_counted_anew_j", b.anew);
+  summary.result("grains_mean_k", b.grains.mean);
+  summary.result("gas_mean_k", b.gas.mean);
+  summary.result("gas_at_the_outlet_k", b.gas.out);
+  summary.result("grains_if_mixed_k", b.mixed);
+  summary.result("grains_if_they_keep_all_heat_k", b.all_kept);
+  // Rounding: sums of heat above 0 K, a hundred times the stored heat, over thousands of steps.
+  summary.check_at_most("heat_balance_over_heat_in_grains",
+                        std::abs(b.in + b.anew - b.in_gas - b.in_grains) / b.in_grains, 1e-10);
+  summary.check_at_most("heat_from_gas_less_heat_in_grains_over_it",
+                        std::abs(b.from_grains + b.in_grains) / b.in_grains, 1e-10);
+  // Residual of the pressure solver in the gas volume, and jumps of the void fraction.
+  summary.check_at_most("heat_of_gas_counted_anew_over_heat_in_grains",
+                        std::abs(b.anew) / b.in_grains, 0.01);
+  // Second law; 1e-9: rounding.
+  summary.check_at_most("hottest_k", b.hottest, s.hot_gas * (1 + 1e-9));
+  summary.check_at_least("coldest_k", b.coldest, s.cold * (1 - 1e-9));
+  summary.check_within("heat_in_while_the_outlet_is_cold_over_that_of_the_gas", b.while_cold, 1,
+                       0.01, "gas comes in hot and leaves cold; a little is conducted in");
+  summary.check_at_most("rise_of_grains_over_that_of_all_heat", b.rise / (b.all_kept - s.cold), 1);
+  summary.check_at_least("rise_of_grains_over_that_of_a_mixed_bed", b.rise / (b.mixed - s.cold),
+                         0.95);
+  summary.check_at_most("largest_overlap", sim.peak_overlap(), sim.guard.max_overlap);
+  std::printf(
+      "\nAfter %.2f s: grains at %.1f K (%.1f K if mixed, %.1f K if they kept all heat), "
+      "gas at %.1f K, %.1f K at the outlet. Of %.4g J that stayed the grains have %.4g J.\n",
+      b.time, b.grains.mean, b.mixed, b.all_kept, b.gas.mean, b.gas.out, b.in, b.in_grains);
+}
+
+/// Draws a run from its tables; false if that failed.
 bool draw_hot(const Scene& s, const std::string& out, const Pictures& pictures, double U) {
   const std::string range = silt::text(s.cold, ",", s.hot_gas);
   std::vector<std::string> grains{"draw"}, gas{"cells"};
@@ -273,11 +138,11 @@ int blow_hot(const Scene& s, const example::Options& options) {
   begin_to_bubble(sim, U, 0.15);
   std::printf("hot gas at %.2f m/s\n", U);
   HotBed bed(s, sim, U);
-  const Pictures pictures = bed.blow(options.out);
+  const Pictures pictures = blow(s, sim, bed, options.out);
 
   example::Summary summary;
   add_inputs(summary, s, U, options.threads);
-  bed.judge(summary);
+  judge(summary, s, sim, bed.balance());
   summary.result("time_step_s", sim.step_length());
   summary.result("fluid_steps", static_cast<double>(sim.fluid().fluid_steps()));
   summary.result("steps", static_cast<double>(sim.step()));

@@ -1,20 +1,24 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The fluidised bed's scene: sizes and materials, grains that have settled on the floor between two
-// walls.
+// Scene of the fluidised bed: sizes and materials, and grains settled on the floor between two
+// walls, gas that enters through the floor. A program of one's own needs this file and drag.hpp:
+//
+//   fluidised::Scene s;
+//   auto sim = fluidised::make_simulation(s, fluidised::settle<silt::Sphere>(s, threads));
+//   sim.fluid().flow().set_side(2, 0, silt::Inflow{{0, 0, 1.0}});  // [m/s]
+//   sim.run(1.0, silt::vtk_series("out", silt::every(0.01)));
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <string>
+#include <utility>
 
-#include <silt/boundary/domain.hpp>
-#include <silt/coupling/formulas.hpp>
-#include <silt/fluid/properties.hpp>
-#include <silt/silt.hpp>
+#include <silt/coupling/drag/oriented.hpp>
+#include <silt/fluid.hpp>
 
-#include "drag.hpp"
-#include "support/example.hpp"
+#include "fluidised_bed/drag.hpp"
 
 namespace fluidised {
 
@@ -42,8 +46,8 @@ struct Scene {
   double by_layers = 0.01;    // [-] of what the law by layers misses
   double at_rest = 5e-3;      // [m/s] mean speed of the grains in a bed that is not fluidised
   std::string shape = "sphere", drag = "gidaspow";
-  /// With hot gas: both begin at `cold`. Grains of glass but for their heat capacity, which is an
-  /// 84th of that of glass: the bed takes a second or two to be warm, not minutes.
+  /// With hot gas: both start at `cold`. Glass grains with an 84th of the heat capacity of glass:
+  /// the bed heats up within a second or two instead of minutes.
   double cold = 300, hot_gas = 400;               // [K]
   double grain_capacity = 10;                     // [J/(kg K)]
   double gas_capacity = 1005;                     // [J/(kg K)]
@@ -54,7 +58,8 @@ struct Scene {
   double depth() const { return deep * cell; }                          // [m]
   double area() const { return width() * depth(); }                     // [m2]
   double volume() const { return silt::Sphere::volume(diameter / 2); }  // [m3] of a grain
-  /// Of all grains, less buoyancy, over the area [Pa]: what the gas bears when it bears them all.
+  /// Weight minus buoyancy of all grains, over the area [Pa]: the pressure drop that carries all of
+  /// them.
   double weight() const {
     return static_cast<double>(particles) * volume() * (density - gas.density) * 9.81 / area();
   }
@@ -64,8 +69,8 @@ struct Scene {
     return silt::minimum_fluidisation_velocity(law, voidage, diameter, density, gas.density,
                                                gas.viscosity);
   }
-  /// The drag law of spheres. That of Syamlal and O'Brien is calibrated as by a bed of these grains
-  /// that Ergun's equation describes, of voidage 0.4.
+  /// The drag law of spheres. Syamlal and O'Brien's law is calibrated to a bed of these grains at
+  /// the void fraction 0.4 that follows Ergun's equation.
   BedDrag drag_law() const {
     if (drag == "own") return {BedDrag::Law::Own};
     if (drag != "syamlal") return {BedDrag::Law::Gidaspow};
@@ -148,7 +153,52 @@ silt::Particles<Shape> settle(const Scene& s, int threads) {
   return settled;
 }
 
-/// Hot gas through the cold bed (hot_bed.cpp); returns the exit status.
-int blow_hot(const Scene& s, const example::Options& options);
+/// Spheres: the law of --drag; by default Ergun's equation in dense beds, Wen and Yu's in dilute
+/// regions. Bodies: the law of Hoelzer and Sommerfeld by their projected areas, with Di Felice's
+/// voidage function.
+template <class Shape>
+auto make_fluid(const Scene& s, silt::FlowSolver flow) {
+  const silt::Kernel kernel{.width = s.kernel};
+  if constexpr (silt::BodyShape<Shape>)
+    return silt::CoupledFlow{silt::OrientedDrag<>{}, kernel, std::move(flow),
+                             silt::InclinedLift<>{}};
+  else
+    return silt::CoupledFlow{s.drag_law(), kernel, std::move(flow)};
+}
+
+/// The settled grains in gas at rest.
+template <class Shape>
+auto make_simulation(const Scene& s, silt::Particles<Shape> grains) {
+  silt::FlowSolver flow(
+      silt::Grid(domain(s).box(), {s.across, s.deep, s.high}, {false, true, false}), s.gas);
+  flow.set_side(2, 0, silt::Inflow{});
+  flow.set_side(2, 1, silt::Outflow{});
+  silt::Simulation sim{std::move(grains), silt::Contacts<Law>{s.material()}, domain(s),
+                       make_fluid<Shape>(s, std::move(flow))};
+  if (silt::BodyShape<Shape>) sim.fluid().least_voidage = 0.1;  // they lie denser than spheres
+  add_floor_and_walls(sim, s, s.material());
+  return sim;
+}
+
+/// The same, with heat: gas and grains begin at s.cold.
+inline auto make_hot_bed(const Scene& s, silt::Particles<silt::Sphere> grains) {
+  silt::FlowSolver flow(
+      silt::Grid(domain(s).box(), {s.across, s.deep, s.high}, {false, true, false}), s.gas);
+  flow.set_side(2, 0, silt::Inflow{});
+  flow.set_side(2, 1, silt::Outflow{});
+  flow.set_heat({.heat_capacity = s.gas_capacity,
+                 .conductivity = s.gas_conducts,
+                 .start_temperature = s.cold});
+  silt::Simulation sim{
+      std::move(grains), silt::Contacts<Law>{s.material()}, domain(s),
+      silt::CoupledFlow{silt::Gidaspow{}, silt::Kernel{.width = s.kernel}, std::move(flow)},
+      silt::Heat{silt::HeatConduction{.conductivity = s.conductivity,
+                                      .heat_capacity = s.grain_capacity,
+                                      .youngs_modulus = 63e9,  // [Pa] of glass
+                                      .start_temperature = s.cold},
+                 silt::FluidConvection<silt::Gunn>{}}};
+  add_floor_and_walls(sim, s, s.material());
+  return sim;
+}
 
 }  // namespace fluidised

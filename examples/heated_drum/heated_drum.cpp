@@ -1,8 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A rotating drum whose wall is hot, and cold grains: how fast the bed takes up heat, how uneven it
-// is. Grains are soft, and their contacts conduct as such: the circles of metal of 70 GPa, which
-// --modulus 70 takes, are 24 times smaller, and everything takes 24 times as long.
+// A rotating drum with a hot wall and cold grains: how fast the bed heats up, and how uniform its
+// temperature is. Grains are soft, and heat conduction uses their large contact areas. With
+// --modulus 70 it uses those of metal of 70 GPa; they are 24 times smaller, and heating takes 24
+// times as long.
 
 #include <algorithm>
 #include <array>
@@ -49,7 +50,7 @@ struct Scene {
   }
 };
 
-/// The drum turns from Scene::fall on.
+/// The drum rotates from Scene::fall on.
 auto make_simulation(const Scene& s) {
   const silt::Box period{{-s.radius, 0, -s.radius}, {s.radius, s.length, s.radius}};
   const double half = 0.65 * s.radius;
@@ -106,7 +107,7 @@ int simulate(const Scene& s, const example::Options& options) {
   summary.input("real_modulus_gpa", s.modulus);
 
   sim.run(Scene::fall);
-  // From here on heat is counted: grains are cold again, and the drum turns.
+  // Heat is counted from here: grains are cold again, and the drum rotates.
   for (std::size_t k = 0; k < sim.rows(); ++k) sim.field<silt::Temperature>(k) = s.start;
   const double given_before = sim.given_by_wall<silt::HeatConduction>(0).sum;
   const double turn = 60 / s.rpm;  // [s]
@@ -133,10 +134,10 @@ int simulate(const Scene& s, const example::Options& options) {
   summary.result("wall_time_s", whole.seconds());
   summary.check_within("heat_stored_over_heat_from_wall", end.stored / given, 1, 1e-9,
                        "rounding: what one end of a contact gets the other loses");
-  // The second law: conduction between bodies of 300 to 400 K makes none hotter or colder.
+  // Second law: conduction between bodies of 300 to 400 K makes none hotter or colder than that.
   summary.check_at_most("hottest_k", end.most, s.wall);
   summary.check_at_least("coldest_k", end.least, s.start);
-  // Nothing flows through contacts that are left out.
+  // Fails if contacts are left out: no heat would flow.
   summary.check_at_least("mean_rise_k", end.mean - s.start, 0.1);
   summary.write(options.out + "/summary.json");
   const bool drawn = example::draw({"draw", options.out + "/end.vtp", "--colour", "temperature",

@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// The hopper on many processes, as its paper has it: what each rank has to do as the grains fall,
-// with slabs that stay and with decompositions that follow the material. Run by
-// ./run hopper --ranks N, or mpirun -np N hopper_ranks.
+// The hopper on many processes, as in its paper: the work of each rank as the grains fall, with
+// fixed slabs and with decompositions that follow the material. Run by ./run hopper --ranks N, or
+// mpirun -np N hopper_ranks.
 
 #include <algorithm>
 #include <array>
@@ -24,7 +24,7 @@ namespace {
 
 using namespace hopper;
 
-/// The decomposition that the command line asks for: one simulation is compiled for all of them.
+/// The decomposition selected on the command line: one simulation is compiled for all of them.
 struct AnyParts {
 #if __has_include(<zoltan.h>)
   std::variant<silt::StaticSlabs, silt::MovingSlabs, silt::Bisection, silt::Rcb> parts;
@@ -71,7 +71,7 @@ int simulate(const Scene& scene, const std::string& decomposition, const example
   const double rest = sim.kinetic_energy() / (total * 9.81 * 2 * scene.r_max);
   sim.remove_wall(lid);
 
-  // Every few milliseconds: what each rank has.
+  // Every few milliseconds: the work of each rank.
   std::vector<std::string> columns{"time [s]", "mass below [kg]", "imbalance [-]",
                                    "time per step [ms]"};
   for (const char* what : {"particles", "contacts", "work", "ghosts", "migrated"})
@@ -117,9 +117,10 @@ int simulate(const Scene& scene, const std::string& decomposition, const example
   const auto loads = sim.rank_loads();
   const double peak = sim.peak_overlap();
   if (!tells) return 0;
-  double migrated = 0, bytes = 0, messages = 0;
+  double migrated = 0, bytes = 0, messages = 0, others = 0;  // [s] with others, waiting included
   for (const auto& l : loads)
-    migrated += static_cast<double>(l.migrated), bytes += static_cast<double>(l.bytes),
+    others += l.seconds.ghosts + l.seconds.agreement + l.seconds.searches,
+        migrated += static_cast<double>(l.migrated), bytes += static_cast<double>(l.bytes),
         messages += static_cast<double>(l.messages);
   example::Summary summary;
   summary.input("particles", static_cast<double>(scene.particles));
@@ -134,6 +135,8 @@ int simulate(const Scene& scene, const std::string& decomposition, const example
   summary.result("migrated", migrated);
   summary.result("messages", messages);
   summary.result("megabytes_sent", bytes / 1e6);
+  summary.result("share_of_time_with_others",
+                 others / static_cast<double>(ranks) / whole.seconds());
   summary.result("largest_overlap_over_radius", peak);
   summary.result("wall_time_s", whole.seconds());
   summary.check_at_most("at_rest_before_opening", rest, 1e-3);
@@ -152,9 +155,9 @@ int simulate(const Scene& scene, const std::string& decomposition, const example
                            options.out + "/" + what + ".png"});
   std::printf(
       "\nImbalance of the work %.3f in time average; %.0f partitions, %.3g particles passed on, "
-      "%.3g MB in %.3g messages; %.0f s.\n",
+      "%.3g MB in %.3g messages; %.0f s, %.1f %% of them with other ranks (messages, waiting).\n",
       mean.mean(), static_cast<double>(loads[0].partitions), migrated, bytes / 1e6, messages,
-      whole.seconds());
+      whole.seconds(), 100 * others / static_cast<double>(ranks) / whole.seconds());
   summary.print_checks();
   std::printf("Look at: %s/%s\n         %s/vtk/particles.pvd (ParaView), %s/ranks.csv\n",
               options.out.c_str(), drawn ? "particles.png, contacts.png, work.png" : "",

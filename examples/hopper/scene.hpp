@@ -3,6 +3,12 @@
 
 // The hopper of D. Markauskas, A. Kaceniauskas, A. Maknickas, Information Technology and Control 40
 // (2011) 287, for one process (hopper.cpp) and for many (ranks.cpp).
+//
+//   hopper::Scene s;
+//   auto sim = hopper::make_simulation(s);
+//   sim.run(s.settling_time(), silt::progress());
+//   sim.remove_wall(hopper::lid);
+//   sim.run(2.0, silt::vtk_series("out", silt::every(0.02)), silt::progress());
 
 #include <algorithm>
 #include <array>
@@ -36,8 +42,8 @@ struct Scene {
   double orifice_height() const { return std::max(0.05, 1.25 * bulk_height()); }  // [m]
   double funnel_top() const { return orifice_height() + (flat ? 0 : (width - orifice) / 2); }
   double room() const { return 3 * bulk_height() + 0.02; }  // [m] the spheres start loose
-  /// [s] before the orifice opens: the fall from the top of the room, and two thirds of it for the
-  /// grains to come to rest.
+  /// [s] before the orifice opens: the fall from the top of the room, and two thirds of that time
+  /// for the grains to come to rest.
   double settling_time() const {
     return std::ceil(100 * 5.0 / 3.0 * std::sqrt(2 * room() / 9.81)) / 100;
   }
@@ -46,7 +52,7 @@ struct Scene {
   }
 };
 
-/// The floor of the upper box around the orifice: four trapezoids, flat or sloping by 45 degrees.
+/// Floor of the upper box around the orifice: four trapezoids, flat or sloping at 45 degrees.
 inline std::vector<std::array<silt::Vec3d, 3>> floor_triangles(const Scene& s) {
   const double a = (s.width - s.orifice) / 2, b = s.width - a, w = s.width;
   const double low = s.orifice_height(), high = s.funnel_top();
@@ -61,7 +67,7 @@ inline std::vector<std::array<silt::Vec3d, 3>> floor_triangles(const Scene& s) {
   return triangles;
 }
 
-/// Both boxes, drawn: their side walls as triangles from the floor to above the filling.
+/// Both boxes for pictures: their side walls as triangles from the floor to above the filling.
 inline std::vector<std::array<silt::Vec3d, 3>> box_triangles(const Scene& s) {
   const double w = s.width, top = s.funnel_top() + 1.6 * s.bulk_height();
   const silt::Vec3d corner[4] = {{0, 0, 0}, {w, 0, 0}, {w, w, 0}, {0, w, 0}};
@@ -105,8 +111,8 @@ auto make_simulation(const Scene& s, Policies... policies) {
   return sim;
 }
 
-/// Mass flow through a square orifice of side L [kg/s] by the law of Beverloo, with C = 0.58 for
-/// the circle carried over by the hydraulic diameter, and k = 1.4:
+/// Mass flow through a square orifice of side L [kg/s] by Beverloo's correlation, with C = 0.58 for
+/// the circle converted by the hydraulic diameter, and k = 1.4:
 ///   W = (4/pi) C rho_bulk (L - k d)^2 sqrt(g (L - k d))
 inline double beverloo(double L, double d, double bulk_density) {
   const double free = L - 1.4 * d;

@@ -5,8 +5,8 @@
 
 namespace silo {
 
-/// A round silo over a cone: what its walls bear at rest and while it is emptied (silo.cpp);
-/// returns the exit status.
+/// A round silo above a cone: wall pressure at rest and during discharge (silo.cpp); returns the
+/// exit status.
 ///   wall_friction: of grains on the wall [-]
 int load_walls(double wall_friction, const example::Options& options);
 

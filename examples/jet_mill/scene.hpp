@@ -1,8 +1,12 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The jet mill's scene: a flat round chamber with four jets, a tube in the middle of its roof as
-// the outlet, grains of a synthetic material that break. `./run study comminution` runs it too.
+// The jet mill's scene: a flat round chamber with four jets, a tube in the centre of its roof as
+// the outlet, and breaking grains of a synthetic material. `./run study comminution` uses it too.
+//
+//   jet_mill::Scene s;
+//   auto sim = jet_mill::make_simulation(s);
+//   sim.run(s.duration, silt::breakage_table("breakage.csv", silt::every(1e-3)));
 
 #include <algorithm>
 #include <array>
@@ -21,7 +25,7 @@ namespace jet_mill {
 using silt::Vec3d;
 using Law = silt::Softened<silt::HertzMindlin>;
 
-/// Lengths of the chamber are whole numbers of cells of the flow. Strengths are synthetic.
+/// Lengths of the chamber are whole numbers of fluid cells. Strengths are synthetic.
 struct Scene {
   double cell = 1e-3;                         // [m] of the flow
   double radius = 12e-3, height = 4e-3;       // [m] of the chamber
@@ -60,7 +64,7 @@ struct Scene {
   }
 };
 
-/// Where the gas is: chamber, tube and nozzles, in the box of the flow [m].
+/// The gas volume: chamber, tube and nozzles, in the flow's box [m].
 inline double room(const Scene& s, const Vec3d& x) {
   const double r = std::hypot(x.x, x.y);
   double inside = std::min({s.radius - r, x.z, s.height - x.z});
@@ -88,7 +92,7 @@ inline silt::FlowSolver air(const Scene& s) {
     const int d = side / 2, end = side % 2;
     Vec3d v{0, 0, 0};
     (d == 0 ? v.x : v.y) = (end == 0 ? 1 : -1) * s.jets;
-    // Seen from the middle, each jet comes in at the right of its side.
+    // Seen from the centre, each jet enters at the right of its side.
     const double at = (d == 0 ? -1 : 1) * (end == 0 ? 1 : -1) * s.offset;
     const auto outline = [s, d, at](const Vec3d& x) {
       return s.nozzle -
@@ -160,6 +164,17 @@ inline auto breakage(const Scene& s) {
       silt::GaudinSchuhmann{.exponent = 0.8, .coarsest = 0.8, .refining = 0.3},
       silt::PowerFatigue{.kappa = 0.1, .psi = 3},
       {.dust_below = s.dust, .most_fragments = s.most_fragments, .seed = s.seed}};
+}
+
+/// The chamber in its gas, empty at the start.
+inline auto make_simulation(const Scene& s) {
+  silt::CoupledFlow gas{silt::DiFelice{}, silt::Kernel{}, air(s)};
+  gas.diameter = s.feed, gas.most_steps = 200;
+  silt::Simulation sim{silt::Particles<silt::Sphere>{}, contacts(s), std::move(gas), breakage(s)};
+  furnish(sim, s);
+  // Large grains press fragments deeper into walls than impacts of equal grains do.
+  sim.guard.max_overlap = 0.89, sim.guard.max_travel = 0.1;
+  return sim;
 }
 
 }  // namespace jet_mill

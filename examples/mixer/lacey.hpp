@@ -11,18 +11,18 @@
 
 namespace mixer {
 
-/// Lacey's index of mixing of two kinds of grains (recalled: J. Appl. Chem. 4 (1954) 257):
+/// Lacey's mixing index of two kinds of grains (recalled: J. Appl. Chem. 4 (1954) 257):
 ///
 ///   M = (S0^2 - S^2)/(S0^2 - SR^2),   S0^2 = p (1 - p)                                       (1)
 ///
-/// p is the share of the first kind, by number, S^2 the variance of its share over samples: cubes
-/// of `side` [m], each weighted with its number of grains n_i. SR^2 is what S^2 is on average where
-/// N grains are dealt out at random to k samples; for n_i much less than N it is p (1 - p)/n, n =
-/// N/k:
+/// p is the number fraction of the first kind, S^2 the variance of its fraction over samples.
+/// Samples are cubes of `side` [m], each weighted with its number of grains n_i. SR^2 is the mean
+/// of S^2 if N grains are distributed at random over k samples; for n_i much less than N it is p (1
+/// - p)/n, n = N/k:
 ///
 ///   S^2 = sum n_i (p_i - p)^2/N,   SR^2 = p (1 - p) (k - 1)/(N - 1)                          (2)
 ///
-/// M is 0 where no sample has both kinds, and 1 on average over random mixtures.
+/// M is 0 if no sample contains both kinds, and 1 on average over random mixtures.
 class Lacey {
  public:
   /// Cubes with a corner at `corner` [m].
@@ -54,7 +54,7 @@ class Lacey {
   std::map<std::array<double, 3>, Cell> cells_;
 };
 
-/// The mean index of `tries` random mixtures of these grains, and its standard error.
+/// Mean index of `tries` random mixtures of these grains, and its standard error.
 inline std::array<double, 2> index_of_random(const std::vector<silt::Vec3d>& places,
                                              std::vector<bool> kinds, double side,
                                              const silt::Vec3d& corner, int tries) {

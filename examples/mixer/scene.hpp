@@ -1,8 +1,16 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The mixer: a vessel, two blades that are driven from below and can be raised, and grains of two
-// colours.
+// The mixer's scene: a vessel, two blades that are driven from below and can be raised, and grains
+// of two colours.
+//
+//   mixer::Scene s;
+//   mixer::charge(s, threads, "charged.silt");
+//   auto sim = mixer::make_mixer(s, threads);
+//   sim.remove_wall("chute");
+//   silt::load_checkpoint(sim, "charged.silt", {.motions = true});
+//   sim.set_motion("blade", mixer::turning(sim.time(), s.rate()));
+//   sim.run(s.turn(), silt::wall_series("blade.csv", "blade", silt::every(0.01)));
 
 #include <algorithm>
 #include <array>
@@ -34,22 +42,22 @@ struct Scene {
   double share = 1;            // [-] of the servo's torque, of the mean torque at the fixed speed
   double gain = 1;             // [-] of the servo: the quickest, for a bed that flows
   static constexpr double density = 1500, g = 9.81;  // [kg/m3] of the grains, [m/s2]
-  // Soft: real granules have 1000 times as much, and steps a sixteenth as long. The bed flows as
-  // one of stiff grains as long as overlaps stay below 1 % of a diameter, which is checked.
+  // Soft: real granules are 1000 times stiffer, with time steps a sixteenth as long. The bed flows
+  // like one of stiff grains if overlaps stay below 1 % of a diameter; this is checked.
   static constexpr double modulus = 2e6;  // [Pa]
 
   double rate() const { return rpm * std::numbers::pi / 30; }  // [rad/s]
   double turn() const { return 60 / rpm; }                     // [s]
   double inner() const { return 0.15 * radius; }               // [m] from the axis to the blades
   double chord() const { return 0.4 * radius; }                // [m] of a blade
-  /// [m] between blade and floor, and wall. Less than a grain's radius: an edge above its centre
-  /// would press it down, and crush it where the bed ahead holds it.
+  /// [m] between blade and floor, and wall. Less than a grain's radius: an edge above the centre of
+  /// a grain would press it down, and crush it if the bed ahead holds it.
   double gap() const { return 0.3 * grain; }
   double height() const { return 2.2 * radius; }  // [m] of the vessel
   double sample() const { return 6 * grain; }     // [m] side of a sample
   double filling() const { return 0.4; }          // [s] until the grains have fallen
   double slant() const { return pitch * std::numbers::pi / 180; }  // [rad]
-  /// [rad] after a share of the time in which the blades are raised; from rest to rest.
+  /// [rad] after a fraction of the time in which the blades are raised; from rest to rest.
   double slant_after(double done) const {
     return slant() +
            (0.5 * std::numbers::pi - slant()) * 0.5 * (1 - std::cos(std::numbers::pi * done));
@@ -62,15 +70,15 @@ struct Scene {
   Law::Material steel() const { return solid(wall_friction); }
 };
 
-/// Two flat blades whose lower edges are hinges: a slant [rad] of 45 degrees lays the face back, so
-/// that grains climb it, at 90 it is upright. (One that leans over the grains at 135 presses them
-/// into the corner of floor and wall, until they are crushed: more than the guard allows.)
-/// Their ends follow the vessel. All slants have the same triangles between other corners, which
-/// set_mesh moves.
+/// Two flat blades whose lower edges are hinges. Angle [rad]: at 45 degrees the face is tilted back
+/// and grains climb it, at 90 it is upright. (At 135 degrees the blade leans over the grains and
+/// presses them into the corner of floor and wall; overlaps exceed the guard's limit.) The blades'
+/// ends follow the vessel. All angles have the same triangles with other vertices; set_mesh moves
+/// them.
 inline silt::TriangleMesh blades(const Scene& s, double slant) {
   constexpr int strips = 8;
   std::vector<std::array<Vec3d, 3>> all;
-  // Of the first blade, the ends at height k; the second is the first turned by half a turn.
+  // Ends of the first blade at height k; the second blade is the first rotated by 180 degrees.
   const auto corner = [&](double side, int k, bool outer) {
     const double along = s.chord() * k / strips, y = -along * std::cos(slant);
     const double x = outer ? std::sqrt(std::pow(s.radius - s.gap(), 2) - y * y) : s.inner();
@@ -85,15 +93,15 @@ inline silt::TriangleMesh blades(const Scene& s, double slant) {
   return silt::TriangleMesh(all);
 }
 
-/// Turns the blades from the time `now` [s] on.
+/// Rotates the blades from the time `now` [s] on.
 inline silt::Motion turning(double now, double rate) {
   return silt::from(now, silt::rotation({0, 0, 0}, {0, 0, 1}, rate));
 }
 
-/// Vessel, blades, and grains in the chute over it.
+/// Vessel, blades, and grains in the chute above it.
 inline auto make_mixer(const Scene& s, int threads) {
   const double half = s.chute(), low = 0.7 * s.radius;
-  // Low, so that grains land at some 2 m/s, which they are not too soft for.
+  // Low: grains land at about 2 m/s, which their stiffness allows.
   const double solid = static_cast<double>(s.grains) * silt::Sphere::volume(1.03 * s.grain);
   const double high = low + solid / (0.25 * 4 * half * half);  // a grid of mixed sizes is loose
   silt::Particles<silt::Sphere> grains;
@@ -119,6 +127,30 @@ inline auto make_mixer(const Scene& s, int threads) {
   sim.add_wall(silt::open_box({-half, -half, low}, {half, half, high}, {ZLow, ZHigh}), s.steel(),
                {.name = "chute"});
   return sim;
+}
+
+/// Drives the blades with a torque [N m].
+inline silt::ServoTorque motor(const Scene& s, double torque) {
+  return {.centre = {0, 0, 0},
+          .axis = {0, 0, 1},
+          .torque = torque,
+          .max_rate = 4 * s.rate(),
+          .gain = s.gain};
+}
+
+/// Fills the vessel through the chute, levels the bed by one turn of the blades, and colours it;
+/// runs go on from the file.
+inline void charge(const Scene& s, int threads, const std::string& file) {
+  auto sim = make_mixer(s, threads);
+  sim.run(s.filling());
+  sim.remove_wall("chute");
+  sim.set_motion("blade", turning(sim.time(), s.rate()));
+  sim.run(s.turn());
+  sim.set_motion("blade", {});
+  sim.run(0.3);
+  for (std::size_t k = 0; k < sim.rows(); ++k)
+    sim.set_material(sim.id(k), sim.position(k).x < 0 ? "blue" : "amber");
+  silt::save_checkpoint(sim, file);
 }
 
 }  // namespace mixer

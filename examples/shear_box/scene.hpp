@@ -1,7 +1,15 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The shear box: two halves, a lid that presses, and a sample of spheres.
+// The shear box: two halves, a pressing lid, and a sample of spheres. A test is
+//
+//   shear_box::Scene s;
+//   shear_box::prepare(s, true, threads, "dense.silt");
+//   auto sim = shear_box::make_box(s, true, threads);
+//   silt::load_checkpoint(sim, "dense.silt");
+//   shear_box::load_lid(sim, s, 50e3);  // [Pa]
+//   for (const char* wall : {"lower half", "floor"})
+//     sim.set_motion(wall, shear_box::shear_from(sim.time(), s.speed(), 0.01));
 
 #include <algorithm>
 #include <array>
@@ -29,7 +37,7 @@ struct Scene {
   std::vector<double> stress{25e3, 50e3, 100e3};     // [Pa] on the lid, from the lowest on
   static constexpr double density = 2600, g = 9.81;  // [kg/m3], [m/s2]
   static constexpr double band = 5;                  // [diameters] of which `inertial` is reckoned
-  // [-] Solid fractions that make about `height` of the number of grains.
+  // [-] Solid fractions at which this number of grains fills about `height`.
   static constexpr double dense = 0.61, loose = 0.55;
   static constexpr double smooth = 0.02, rough = 2;  // [-] friction while samples are made
 
@@ -37,7 +45,7 @@ struct Scene {
   double W() const { return width * diameter; }             // [m]
   double split() const { return 0.5 * height * diameter; }  // [m] from the floor, where z = 0
   double area() const { return L() * W(); }                 // [m2]
-  /// [s] in which a grain under this stress moves by its diameter.
+  /// [s] in which this stress accelerates a grain over its diameter.
   double inertial_time(double pressure) const { return diameter * std::sqrt(density / pressure); }
   double speed() const {  // [m/s] of the lower half
     return inertial * band * diameter / inertial_time(stress.front());
@@ -59,7 +67,7 @@ struct Scene {
   }
 };
 
-/// Rectangles that become one mesh.
+/// Rectangles that are joined to one mesh.
 struct Panels {
   std::vector<std::array<Vec3d, 3>> triangles;
   Panels& add(const Vec3d& corner, const Vec3d& a, const Vec3d& b) {
@@ -74,15 +82,15 @@ struct Panels {
   }
 };
 
-/// The lid while samples are made: a servo, which meets the sample gently.
+/// The lid during preparation: a servo that approaches the sample gently.
 inline silt::ServoForce press(const Scene& s, double stress) {
   return {.direction = {0, 0, -1},
           .force = stress * s.area(),
           .max_speed = 0.5 * s.diameter / s.inertial_time(s.stress.front())};
 }
 
-/// Grains on a grid over the floor, which fall and are pressed by the lid; material 0 while the
-/// sample is made, 1 afterwards. The split of the box is at z = 0, and its lower half goes to +x.
+/// Grains on a grid above the floor, which fall and are compressed by the lid; material 0 during
+/// preparation, 1 afterwards. The split of the box is at z = 0, and its lower half moves to +x.
 inline auto make_box(const Scene& s, bool is_dense, int threads) {
   const double made_with = is_dense ? Scene::smooth : Scene::rough;
   const double L = s.L(), W = s.W(), D = s.split(), d = s.diameter;
@@ -131,13 +139,13 @@ inline auto make_box(const Scene& s, bool is_dense, int threads) {
   return sim;
 }
 
-/// [J] of motion over stress times volume [-].
+/// Kinetic energy [J] over stress times volume [-].
 template <class Sim>
 double unrest(const Sim& sim, const Scene& s, double stress) {
   return sim.kinetic_energy() / (stress * s.area() * s.height * s.diameter);
 }
 
-/// Runs until the lid has its force and the grains rest; false if they do not.
+/// Runs until the lid has reached its force and the grains are at rest; false if they do not.
 template <class Sim>
 bool come_to_rest(Sim& sim, const Scene& s, double stress) {
   for (int k = 0; k < 120; ++k) {
@@ -149,7 +157,7 @@ bool come_to_rest(Sim& sim, const Scene& s, double stress) {
   return false;
 }
 
-/// From now on the lid is a plate of steel under a dead weight, free to rise and fall, as in the
+/// From now on the lid is a steel plate under a dead weight, free to move vertically, as in the
 /// apparatus.
 template <class Sim>
 void load_lid(Sim& sim, const Scene& s, double stress) {
@@ -159,8 +167,8 @@ void load_lid(Sim& sim, const Scene& s, double stress) {
                                    .force = stress * s.area() - mass * Scene::g});
 }
 
-/// Makes the sample under the lowest stress and gives its grains their friction; all tests of it
-/// begin from the file.
+/// Prepares the sample at the lowest stress and gives its grains their friction; all its tests
+/// start from the file.
 inline void prepare(const Scene& s, bool is_dense, int threads, const std::string& file) {
   auto sim = make_box(s, is_dense, threads);
   come_to_rest(sim, s, s.stress.front());
@@ -169,8 +177,8 @@ inline void prepare(const Scene& s, bool is_dense, int threads, const std::strin
   silt::save_checkpoint(sim, file);
 }
 
-/// How far [m] the lower half has gone at a time t after its start: it gets its speed within
-/// `ramp` [s].
+/// Displacement [m] of the lower half at a time t after its start: it accelerates to its speed
+/// within `ramp` [s].
 inline silt::Motion shear_from(double now, double speed, double ramp) {
   return [=](double time) {
     const double t = std::max(time - now, 0.0);

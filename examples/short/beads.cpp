@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A box of beads. Glass beads fall into a box and come to rest; the program prints how deep the bed
-// is and how many neighbours a bead touches.
+// A box of beads. Glass beads fall into a box and come to rest; the program prints the depth of the
+// bed and the coordination number.
 //
 // picture: draw beads/particles.pvd --colour velocity --time 0.02 0.05 0.3 -o beads.png
 
@@ -17,7 +17,7 @@ int main() {
       .friction = 0.4,
   };
 
-  // Places in a box are filled at random with beads of 1.8 to 2.2 mm.
+  // Random positions in a box, filled with beads of 1.8 to 2.2 mm.
   silt::Particles<silt::Sphere> beads;
   beads.fill({.min = {0, 0, 0}, .max = {0.03, 0.02, 0.06}},  // [m]
              {.radius = silt::uniform(0.9e-3, 1.1e-3), .density = 2500});
@@ -26,7 +26,7 @@ int main() {
   sim.gravity = {0, 0, -9.81};
   sim.add_wall(silt::box({0, 0, 0}, {0.03, 0.02, 0.07}), glass);
 
-  // ParaView opens beads/particles.pvd.
+  // Open beads/particles.pvd in ParaView.
   sim.run(0.3, silt::vtk_series("beads", silt::every(0.01)), silt::progress());
 
   double top = 0;

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Grains break on a plate. Grains of salt are thrown at a steel plate and break by the strength
-// that each of them has; the program prints how many broke, and how fine the product is.
+// Grains break on a plate. Salt grains hit a steel plate, and each breaks if the load exceeds its
+// own strength. The program prints the share of broken grains and the fineness of the product.
 //
 // picture: draw breakage/particles.pvd --colour generation --time 0 0.0005 0.001 0.002 --bounds -0.01,0.07,-0.001,0.024 --width 1200 -o breakage.png
 // picture: curves breakage/finer.csv --x size --y product,feed --y-label finer -o breakage_sizes.png
@@ -28,11 +28,11 @@ int main() {
                                                     .velocity = {0, 0, -15}});  // [m/s]
   silt::Simulation sim{
       std::move(grains), silt::Contacts<silt::HertzMindlin>{salt},
-      // Half of the grains of 2 mm break at 31 N; others by (d/2 mm)^1.6.
+      // Median strength: 31 N for grains of 2 mm, proportional to (d/2 mm)^1.6 for others.
       silt::Breakage{silt::LogLogisticStrength{
                          .median = 31, .at_diameter = 2e-3, .exponent = 1.6, .spread = 3},
                      silt::HertzEquivalence{},
-                     // Fragments: the share of the mass below x is x over 0.8 of the grain's size.
+                     // Fragments: the mass fraction finer than x is x over 0.8 of the grain's size.
                      silt::GaudinSchuhmann{.exponent = 1, .coarsest = 0.8},
                      silt::NoFatigue{},
                      {.dust_below = 0.3e-3}}};  // [m], smaller ones are mass in a table
@@ -54,7 +54,7 @@ int main() {
   std::printf("%zu grains broke; %.0f %% of the mass is dust below 0.3 mm\n",
               static_cast<std::size_t>(sim.broken()), 100 * mass.dust / mass.fed);
   std::printf("half of the mass is finer than %.2f mm\n", 1e3 * product.quantile(0.5));
-  // Catches mass that is lost, grains that do not break, and fragments as large as the grains.
+  // Fails for lost mass, grains that do not break, and fragments as large as the grains.
   const bool closed = std::abs(mass.residual()) < 1e-12 * mass.fed;
   return closed && sim.broken() > 100 && product.quantile(0.5) < 1.8e-3 ? 0 : 1;
 }

@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Friction from an angle of repose. Heaps are simulated until the friction is found with which the
-// angle is that of a measured heap, in few runs. What counts as measured are heaps with a friction
-// of 0.35: the calibration has to find it again, and prints it with its interval.
+// Friction from an angle of repose. The calibration finds, in few runs, the friction with which the
+// simulated heap has the measured angle. Here the "measured" heaps are simulations with a friction
+// of 0.35: the calibration must recover this value. It prints it with its confidence interval.
 //
 // picture: calibration/calibration.png
 
@@ -16,7 +16,7 @@
 #include <silt/silt.hpp>
 #include <silt/study/calibrate.hpp>
 
-/// Angle [degrees] of the heap that is poured from a slot, in a periodic slice.
+/// Angle [degrees] of a heap poured from a slot, in a periodic slice.
 double angle_of_heap(double friction, std::uint64_t seed) {
   const silt::HertzMindlin::Material grain{
       .youngs_modulus = 2e6, .poisson_ratio = 0.3, .restitution = 0.4, .friction = friction};
@@ -35,8 +35,8 @@ double angle_of_heap(double friction, std::uint64_t seed) {
                  .seed = seed});
   sim.run(0.6);
 
-  // In a triangle of height H on a base of 2 L half of the area is below 0.29 H, and within 0.29 L
-  // of the middle. Medians do not feel the grains that have rolled away.
+  // In a triangle of height H on a base of 2 L, half of the area is below 0.29 H and within 0.29 L
+  // of the middle. Medians are insensitive to grains that have rolled away.
   std::vector<double> height, distance;  // [m]
   for (std::size_t k = 0; k < sim.size(); ++k) {
     height.push_back(sim.position(k).z);
@@ -67,7 +67,7 @@ int main() {
   const auto& friction = calibration.result().parameters[0];
   std::printf("heaps of %.1f degrees: friction %.2f, from %.2f to %.2f\n", measured,
               friction.recommended, friction.low, friction.high);
-  // Catches a calibration that ends elsewhere; heaps of 160 grains scatter by a degree or two.
+  // Fails for a wrong result; the angles of heaps of 160 grains scatter by one or two degrees.
   return std::abs(friction.recommended - planted) < 0.12 && friction.low < planted + 0.05 &&
                  friction.high > planted - 0.05
              ? 0

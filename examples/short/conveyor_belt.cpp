@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A conveyor belt. Ore falls onto a belt between two skirts, is carried up a slope, and is thrown
-// off at its end. Printed are the mass flow and the power that drives the belt.
+// Conveyor belt. Ore falls onto an inclined belt between two skirts, is carried up, and discharges
+// at its end. The program prints the mass flow and the drive power of the belt.
 //
 // picture: draw conveyor_belt/particles.pvd --colour velocity.x --range 0,0.8 --view -25,15 -o conveyor_belt.png
 
@@ -21,7 +21,7 @@ int main() {
   silt::Simulation sim{silt::Particles<silt::Sphere>{}, contacts};
   sim.gravity = {0, 0, -9.81};
 
-  // The belt is a rectangle at rest whose surface moves.
+  // The belt is a rectangle at rest with a moving surface.
   const double slope = 10 * M_PI / 180, speed = 0.8, feed = 0.8;  // [rad], [m/s], [kg/s]
   const silt::Vec3d along{std::cos(slope), 0, std::sin(slope)};
   const double length = 0.6, half_width = 0.06;  // [m]
@@ -49,10 +49,10 @@ int main() {
   const double flow = (sim.outlet(outlet).mass - gone) / (sim.time() - since);  // [kg/s]
   const double power = -dot(load.read(sim).force, along) * speed;               // [W]
 
-  // The belt gives the ore its speed - half of that work is lost by sliding - and lifts it.
+  // The belt accelerates the ore - sliding dissipates half of that work - and lifts it.
   const double least = feed * (speed * speed + 9.81 * length * along.z);
   std::printf("%.2f kg/s leave of %.2f kg/s; %.2f W drive the belt, at least %.2f W are needed\n",
               flow, feed, power, least);
-  // Catches a belt that does not carry, and a force on it of the wrong size or sign.
+  // Fails for a belt that does not convey, and for a wrong magnitude or sign of the force on it.
   return std::abs(flow / feed - 1) < 0.15 && power > 0.9 * least && power < 1.6 * least ? 0 : 1;
 }

@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A bed of beads is fluidised. Air blows through the bed faster and faster: its pressure drop rises
-// until the air bears the beads; then it lifts them, and voids rise through the bed. The program
-// prints the velocity at which the air bears the bed, beside Ergun's.
+// A bed of beads is fluidised. The air velocity is increased: the pressure drop rises until the air
+// carries the weight of the beads; then the bed expands and bubbles rise. The program prints the
+// minimum fluidisation velocity beside Ergun's.
 //
 // picture: draw coupled_bed/particles.pvd --colour velocity --time 0.45 0.65 0.7 0.75 --width 1200 -o coupled_bed.png
 // picture: curves coupled_bed/pressure.csv --x velocity --y pressure,weight --y-label pressure -o coupled_bed_pressure.png
@@ -28,7 +28,7 @@ int main() {
               .density = density,
               .count = 2000});
 
-  // Cells of two diameters. The velocity of the air, over all of the floor, grows in time.
+  // Cells of two diameters. The inlet velocity, uniform over the floor, increases with time.
   const auto velocity = [](double t) { return 2.4 * std::max(t - 0.1, 0.0); };  // [m/s]
   const silt::FluidProperties gas{.density = 1.2, .viscosity = 1.8e-5};         // [kg/m3], [Pa s]
   silt::FlowSolver air(silt::Grid({{0, 0, 0}, {width, depth, height}}, {12, 2, 30}), gas);
@@ -68,7 +68,8 @@ int main() {
   std::printf(
       "the air bears the bed from %.2f m/s on; Ergun's law for a voidage of 0.41: %.2f m/s\n",
       borne, ergun);
-  // Catches a drag or a voidage with which the bed would fly away or stay. The ends of the bed are
-  // blurred over some beads; as it is only 18 beads high, it needs a tenth more air.
+  // Fails for a drag or a void fraction with which the bed would be blown out or stay at rest. The
+  // kernel smooths the bed's ends over some beads; as the bed is only 18 beads high, it needs a
+  // tenth more air.
   return borne > 0.8 * ergun && borne < 1.35 * ergun ? 0 : 1;
 }

@@ -1,8 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
 // Fibres bend under their own weight. Five fibres of bonded spheres, clamped at one end, sag; the
-// program prints the deflection of each tip beside that of an elastic beam, which knows small
-// deflections only.
+// program prints the tip deflections beside those of an elastic beam by linear theory.
 //
 // picture: draw fibre/particles.pvd --bonds fibre/bonds.pvd --bond-colour bending --bond-radius 4e-4 --view -15,25 --width 1200 -o fibre.png
 
@@ -19,7 +18,7 @@ int main() {
   const silt::HertzMindlin::Material surface{
       .youngs_modulus = 2e7, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.5};
 
-  // A drag brings the fibres to rest; without it they would swing for long.
+  // A drag brings the fibres to rest; without it they would oscillate for long.
   const double decay = 30;  // [1/s]
   silt::Simulation sim{silt::Particles<silt::Sphere>{}, silt::Contacts<silt::HertzMindlin>{surface},
                        silt::Bonds{glue}, silt::BodyForce{[decay](const silt::Seen& p) {
@@ -44,7 +43,7 @@ int main() {
   sim.run(0.8, silt::vtk_series("fibre", silt::every(0.02)),
           silt::bond_series("fibre", silt::every(0.02)), silt::progress());
 
-  // A beam of the bonds' section, loaded by the weight of each sphere.
+  // Beam with the bonds' cross-section, loaded by the weight of each sphere.
   const double I = std::numbers::pi * std::pow(radius, 4) / 4;          // [m4]
   const double weight = density * silt::Sphere::volume(radius) * 9.81;  // [N]
   bool right = true;
@@ -58,8 +57,8 @@ int main() {
     const double sag = -sim.position(sim.find(fibre.tip)).z;
     std::printf("fibre of %.0f mm: tip %.3f mm lower, beam %.3f mm\n", 1e3 * length, 1e3 * sag,
                 1e3 * beam);
-    // Catches a wrong bending stiffness. Fibres that sag by more than a tenth of their length do so
-    // less than the formula says.
+    // Fails for a wrong bending stiffness. Fibres that sag by more than a tenth of their length
+    // deflect less than linear theory predicts.
     if (beam < 0.1 * length) right = right && std::abs(sag / beam - 1) < 0.02;
   }
   return right ? 0 : 1;

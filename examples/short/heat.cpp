@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Heat goes through a bed. Grains of aluminium lie between a hot and a cold wall; heat passes from
-// grain to grain through their contacts until its flow is steady. Loose grains, which hardly touch
-// others, stay behind. Printed is the flow, and the conductivity of the bed.
+// Heat conduction through a bed. Aluminium grains lie between a hot and a cold wall; heat flows
+// through their contacts until the flow is steady. Loose grains, which hardly touch others, lag
+// behind. The program prints the heat flow and the bed's conductivity.
 //
 // picture: draw heat/particles.pvd --colour temperature --time 0.2 0.22 0.3 0.6 --range 300,400 --map magma -o heat.png
 
@@ -23,9 +23,9 @@ int main() {
                .solid_volume = 0.6 * length * width * height,
                .arrangement = silt::Arrangement::Random});
 
-  // Soft contacts are wide: with the modulus of the solid silt corrects their conductance. Of the
-  // heat capacity, 900 J/(kg K), a part in 10 000 is taken: the flow is steady after 0.4 s in place
-  // of an hour, at the same temperatures.
+  // Soft contacts have too large an area: given the real modulus, silt corrects their conductance.
+  // Only 1/10 000 of the real heat capacity, 900 J/(kg K), is used: the flow is steady after 0.4 s
+  // instead of an hour, at the same temperatures.
   silt::Simulation sim{std::move(grains), silt::Contacts<silt::HertzMindlin>{metal},
                        silt::HeatConduction{.conductivity = 230,         // [W/(m K)]
                                             .heat_capacity = 900 / 1e4,  // [J/(kg K)]
@@ -33,8 +33,8 @@ int main() {
                                             .poisson_ratio = 0.33,
                                             .start_temperature = 300}};  // [K]
   sim.gravity = {0, 0, -9.81};
-  // [s] right for the contacts. silt's own choice is far shorter: for heat, with so small a
-  // capacity, through contacts far wider than these.
+  // [s] sufficient for the contacts. silt would choose a far shorter one because of the heat
+  // conduction: the heat capacity is small, and the contacts far larger than these.
   sim.time_step = 1e-5;
   sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, metal, {.name = "hot"});
   sim.add_wall(silt::Plane{{length, 0, 0}, {-1, 0, 0}}, metal, {.name = "cold"});
@@ -56,6 +56,6 @@ int main() {
     coldest = std::min(coldest, sim.field<silt::Temperature>(k));
     hottest = std::max(hottest, sim.field<silt::Temperature>(k));
   }
-  // Catches heat that is lost between the walls, and heat that flows from cold to hot.
+  // Fails for heat lost between the walls, and for heat that flows from cold to hot.
   return in > 0 && std::abs(out / in - 1) < 0.05 && coldest >= 300 && hottest <= 400 ? 0 : 1;
 }

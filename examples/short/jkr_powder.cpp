@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Sticky powder packs loosely. Grains of 0.1 mm fall into a box, once without adhesion and once
-// with that of Johnson, Kendall and Roberts: then they stick where they touch, and leave large
-// pores. Printed is the solid fraction of both beds.
+// Cohesive powder packs loosely. Grains of 0.1 mm fall into a box, once without and once with JKR
+// adhesion: then they stick at first contact, and large pores remain. The program prints the solid
+// fraction of both beds.
 //
 // picture: draw jkr_powder/dry.vtp jkr_powder/sticky.vtp --colour contacts --title dry sticky -o jkr_powder.png
 
@@ -11,10 +11,10 @@
 
 #include <silt/silt.hpp>
 
-// The solid fraction [-] of a bed of grains with this work of adhesion [J/m2].
+// Solid fraction [-] of a bed of grains with this work of adhesion [J/m2].
 double solid_fraction(const std::string& name, double work_of_adhesion) {
-  // Softer than real powder, for a larger time step: with a modulus of 1e6 Pa in place of 1e9 Pa a
-  // work of 0.01 J/m2 stands for 0.16 J/m2 (docs/contact_laws.md).
+  // Softer than real powder, for a larger time step: with a modulus of 1e6 Pa instead of 1e9 Pa, a
+  // work of 0.01 J/m2 corresponds to 0.16 J/m2 (docs/contact_laws.md).
   const silt::Jkr::Material powder{.youngs_modulus = 1e6,  // [Pa]
                                    .poisson_ratio = 0.25,
                                    .work_of_adhesion = work_of_adhesion,
@@ -50,6 +50,6 @@ double solid_fraction(const std::string& name, double work_of_adhesion) {
 int main() {
   silt::make_folder("jkr_powder");
   const double dry = solid_fraction("dry", 0), sticky = solid_fraction("sticky", 0.01);
-  // Catches adhesion that does not act, and grains that do not come down.
+  // Fails for adhesion without effect, and for grains that do not settle.
   return dry > 0.5 && sticky < dry - 0.1 ? 0 : 1;
 }

@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Three shapes in one box. Spheres, pills (super-ellipsoids) and bricks (polyhedra) of equal volume
-// fall into a box together; the program prints how densely they lie and how many neighbours a grain
-// of each shape touches.
+// Three shapes in one box. Spheres, pills (superellipsoids) and bricks (polyhedra) of equal volume
+// fall into a box together; the program prints the solid fraction and the coordination number of
+// each shape.
 //
 // picture: draw mix/particles.pvd --colour form --names brick,pill,sphere --time 0.05 0.4 --view iso --width 1200 -o mix.png
 
@@ -20,7 +20,7 @@ int main() {
       .friction = 0.3,
   };
 
-  // A particle type that holds three shapes; each particle is a form of one of them.
+  // A particle type that contains three shapes; each particle has a form of one of them.
   using Grain = silt::Mix<silt::Sphere, silt::SuperEllipsoid, silt::Polyhedron>;
   silt::Particles<Grain> grains;
 
@@ -38,7 +38,7 @@ int main() {
   const silt::Box region{{0, 0, 0}, {0.05, 0.05, 0.15}};  // [m]
   const std::array forms{grains.add_form(brick, "brick"), grains.add_form(pill, "pill"),
                          grains.add_form(silt::Sphere{}, "sphere")};
-  // Sizes are those of bounding spheres; the form of a Sphere has none of its own.
+  // Sizes are those of bounding spheres; the form of a Sphere has no size of its own.
   for (const auto form : forms)
     grains.fill(region, {.radius = form == forms[2] ? radius : grains.forms()[form].radius,
                          .density = 1200,
@@ -60,8 +60,8 @@ int main() {
       static_cast<double>(sim.size()) * volume / (0.05 * 0.05 * 2 * sim.centre_of_mass().z);
   std::printf("solid fraction %.2f; contacts of a sphere %.1f, a pill %.1f, a brick %.1f\n", solid,
               mean[2], mean[1], mean[0]);
-  // Catches grains that pass through each other (denser than any packing, 0.74 of spheres) or hang
-  // in the air, and shapes that do not feel each other.
+  // Fails for grains that pass through each other (denser than any packing; spheres: 0.74) or
+  // float, and for shapes without contact with each other.
   const bool touching = mean[0] > 3 && mean[1] > 3 && mean[2] > 3;
   return solid > 0.5 && solid < 0.72 && touching ? 0 : 1;
 }

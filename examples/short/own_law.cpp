@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A contact law of your own. Grains yield: loading is soft, unloading is stiffer, so that
-// each impact takes the same share of the energy, however fast it is. Balls of three materials fall
-// from the same height; printed is the restitution of the first impact beside what was asked for.
+// A contact law of your own. Grains yield: loading is soft, unloading stiffer. Each impact then
+// dissipates the same share of the energy at every speed. Balls of three materials fall from the
+// same height; the program prints the restitution of the first impact beside the prescribed one.
 //
 // picture: curves own_law/heights.csv --x time --y e=0.9,e=0.7,e=0.5 --y-label height -o own_law.png
 
@@ -13,8 +13,8 @@
 
 #include <silt/silt.hpp>
 
-// The plastic spring of Walton and Braun: k1 d as the overlap d grows, k2 (d - d_p) as it shrinks,
-// where d_p is what stays of the largest overlap. The restitution is sqrt(k1/k2).
+// Plastic spring of Walton and Braun: k1 d while the overlap d increases, k2 (d - d_p) while it
+// decreases; d_p is the plastic part of the largest overlap. The restitution is sqrt(k1/k2).
 struct PlasticSpring {
   struct Material {
     double stiffness;    // [N/m] k1
@@ -35,7 +35,7 @@ struct PlasticSpring {
     const double e = std::min(a.restitution, b.restitution);  // of the one that yields more
     return {k1, k1 / (e * e), (a.friction + b.friction) / 2};
   }
-  // Real is a double or a pack of lanes: silt::max and silt::min, and no "if".
+  // Real is a double or a batch of lanes: use silt::max and silt::min instead of "if".
   template <class Real>
   static silt::Traction<Real> force(const silt::Contact<Real>& c, const Coefficients<Real>& p,
                                     History<Real>& h) {
@@ -44,10 +44,10 @@ struct PlasticSpring {
     const Real normal = silt::max(p.unloading * (c.overlap - stays), Real(0));
     const auto& v = c.tangential_velocity;
     const Real speed = silt::sqrt(dot(v, v) + Real(1e-12));
-    // Coulomb's friction; near rest, where its direction is lost, a dashpot of 0.1 N s/m.
+    // Coulomb friction; near zero slip, where the direction is undefined, a dashpot of 0.1 N s/m.
     return {normal, -silt::min(p.friction * normal / speed, Real(0.1)) * v};
   }
-  // For the time step: the shortest contact of two bodies of this effective mass [s].
+  // For the time step: the shortest contact [s] of two bodies of this effective mass.
   static double contact_time(const Coefficients<double>& p, double, double m_eff, double) {
     return M_PI * std::sqrt(m_eff / p.unloading);
   }
@@ -90,7 +90,7 @@ int main() {
   for (int k = 0; k < 3; ++k) {
     const double found = std::sqrt(rebound[k] / drop);
     std::printf("restitution %.3f, asked for %.1f\n", found, asked[k]);
-    // Catches a history that is lost within an impact: the balls would not lose energy.
+    // Fails if the history is lost during an impact: the balls would lose no energy.
     right = right && std::abs(found - asked[k]) < 0.02;
   }
   return right ? 0 : 1;

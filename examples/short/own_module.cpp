@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A module of your own. Sand and iron fall past a drum with a magnet in it: a struct of a few
-// lines pulls the iron, which lands on the other side of a splitter. Printed is how much of it
-// does.
+// A module of your own. Sand and iron fall past a drum with a magnet inside: a short struct adds
+// the magnetic force on iron, which lands on the other side of a splitter. The program prints the
+// share of the iron that does.
 //
 // picture: draw own_module/particles.pvd --colour material --names sand,iron --time 0.2 0.6 -o own_module.png
 
@@ -12,20 +12,20 @@
 
 #include <silt/silt.hpp>
 
-// A magnet along the axis y of a drum. Its field falls with the square of the distance r, and pulls
-// a grain of volume V and susceptibility chi by V chi/(2 mu0) times the gradient of B^2.
+// Magnet along the axis y of a drum. Its field decreases with the square of the distance r. The
+// force on a grain of volume V and susceptibility chi is V chi/(2 mu0) times the gradient of B^2.
 struct Magnet {
   double field;      // [T] at the surface of the drum
   double radius;     // [m] of the drum
   std::size_t iron;  // number of that material
 
-  // Numbers that each grain gets; they are in files and checkpoints under these names.
+  // Data of each grain; files and checkpoints contain them under these names.
   struct Fields {
     double susceptibility = 0, impulse = 0;  // [-], [N s]
   };
   static constexpr std::array names{"susceptibility", "impulse [N s]"};
 
-  // Of a grain that comes.
+  // Called for each new grain.
   Fields start(const silt::Seen& grain) const {
     return {.susceptibility = grain.material == iron ? 3.0 : 0.0};
   }
@@ -36,7 +36,7 @@ struct Magnet {
     const double volume = silt::Sphere::volume(grain.radius);
     return volume * f.susceptibility / (2 * mu0) * gradient / r * from_axis;
   }
-  // After each step.
+  // Called after each step.
   void update(const silt::Seen& grain, Fields& f, double dt) const {
     f.impulse += norm(force(grain, f)) * dt;
   }
@@ -71,7 +71,7 @@ int main() {
                                    .material = contacts.add(iron)}}});
   sim.run(0.6, silt::vtk_series("own_module", silt::every(0.01)));
 
-  // Grains of each material on the left of the splitter, and in all.
+  // Grains of each material on the left of the splitter, and in total.
   std::array<double, 2> left{}, all{};
   for (std::size_t k = 0; k < sim.rows(); ++k) {
     all[sim.material(k)] += 1;
@@ -80,6 +80,6 @@ int main() {
   const double recovered = left[1] / all[1], purity = left[1] / (left[0] + left[1]);
   std::printf("%.1f %% of the iron is recovered, with a purity of %.1f %%\n", 100 * recovered,
               100 * purity);
-  // Catches a force that acts on the wrong grains, or on none: without it all fall to the right.
+  // Fails for a force on the wrong grains, or on none: without it all fall to the right.
   return recovered > 0.8 && purity > 0.8 ? 0 : 1;
 }

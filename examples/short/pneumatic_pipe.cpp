@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Grains are blown through a pipe. Plastic pellets come into a level pipe and are taken along by a
-// turbulent air flow; the program prints how fast they leave it and what pressure drives both.
+// Pneumatic conveying. Plastic pellets enter a horizontal pipe and are carried by a turbulent air
+// flow; the program prints their speed at the outlet and the pressure drop.
 //
 // picture: draw pneumatic_pipe/particles.pvd --colour velocity.x --time 0.03 0.06 0.2 --walls-as glass --width 1200 -o pneumatic_pipe.png
 
@@ -18,7 +18,7 @@ int main() {
   const silt::HertzMindlin::Material plastic{
       .youngs_modulus = 1e7, .poisson_ratio = 0.3, .restitution = 0.6, .friction = 0.3};
 
-  // The wall of the pipe, for the pellets and for the air.
+  // The pipe wall, for the pellets and for the air.
   const silt::Cylinder wall{{-0.02, 0, 0}, {length + 0.02, 0, 0}, radius, silt::Side::Inside};
   const double side = 0.0175;  // [m] 3.5 cells
   silt::FlowSolver air(
@@ -52,8 +52,8 @@ int main() {
           silt::at(silt::every(2e-3), look), silt::progress());
   pressure /= looks, leaving /= pellets;
 
-  // The friction of air alone by Blasius' law, and the momentum that the pellets take along; what
-  // they lose at the wall comes on top.
+  // Friction of air alone by Blasius' law, plus the momentum that the pellets gain; what they lose
+  // at the wall comes on top.
   const double reynolds = 1.2 * speed * 2 * radius / 1.8e-5;
   const double air_alone =
       0.316 / std::pow(reynolds, 0.25) * length / (2 * radius) * 0.6 * speed * speed;  // [Pa]
@@ -62,8 +62,8 @@ int main() {
   std::printf(
       "pressure drop %.0f Pa; friction of air alone %.0f Pa, to speed the pellets up %.0f Pa\n",
       pressure, air_alone, momentum);
-  // Catches pellets that are not carried, or faster than the air, and a drag that costs no
-  // pressure.
+  // Fails for pellets that are not carried or are faster than the air, and for drag without a
+  // pressure drop.
   const double expected = air_alone + momentum;
   return leaving > 4 && leaving < speed && std::abs(pressure / expected - 1) < 0.4 ? 0 : 1;
 }

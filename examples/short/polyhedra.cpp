@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Tumbling stones. Ballast of three forms, convex hulls of random points, falls onto the ground and
-// piles up; the program prints the angle of repose of the heap.
+// Angular stones. Ballast of three forms, convex hulls of random points, falls onto the ground and
+// forms a heap; the program prints its angle of repose.
 //
 // picture: draw polyhedra/particles.pvd --colour form --names round,flat,long --time 0.8 2.5 --view 20,15 --width 1200 -o polyhedra.png
 
@@ -10,7 +10,7 @@
 
 #include <silt/silt.hpp>
 
-/// The convex hull of random points in an ellipsoid of half axes `a`, `b`, `c` [m].
+/// Convex hull of random points in an ellipsoid with semi-axes `a`, `b`, `c` [m].
 silt::Polyhedron stone(double a, double b, double c, silt::Random& random) {
   std::vector<silt::Vec3d> points;
   while (points.size() < 14) {
@@ -38,7 +38,7 @@ int main() {
   sim.gravity = {0, 0, -9.81};
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, granite);
 
-  // 120 stones, 80 a second; radii are those of the bounding spheres.
+  // 120 stones, 80 per second; radii are those of the bounding spheres.
   const auto size = silt::uniform(0.03, 0.04);
   sim.add_inlet(silt::CylinderRegion{{0, 0, 0.35}, {0, 0, 0.45}, 0.12},
                 {.radius = size,
@@ -60,6 +60,6 @@ int main() {
   const double angle = std::atan(4 * centre.z / (2 * distance)) * 180 / M_PI;
   std::printf("%zu stones, %.0f kg, angle of repose %.1f degrees\n", sim.size(), sim.total_mass(),
               angle);
-  // Catches stones that roll away as marbles do, or stand as a tower, or never come to rest.
+  // Fails for stones that roll away like marbles, stand as a tower, or never come to rest.
   return angle > 15 && angle < 40 && sim.mean_speed() < 0.01 ? 0 : 1;
 }

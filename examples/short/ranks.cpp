@@ -1,7 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Beads on four processes. A dam of beads collapses; each process (a rank of MPI) computes those in
-// its part of the box, and the parts follow the beads; the program prints what each has to do.
+// Beads on four processes. A column of beads collapses; each process (an MPI rank) computes the
+// beads in its part of the box, and the parts follow the beads. The program prints the work of
+// each.
 //
 // picture: draw ranks/particles.pvd --colour rank --time 0 0.06 0.12 0.3 --view 20,15 --width 1200 -o ranks.png
 
@@ -32,7 +33,7 @@ int main(int argc, char** argv) {
 
   sim.run(0.3, silt::vtk_series("ranks", silt::every(0.02)), silt::progress());
 
-  // Sums over ranks are made by all of them, also where one alone prints.
+  // Sums over ranks are collective: all ranks call them, even if only one prints.
   double run_out = 0;  // [kg] of own beads
   for (std::size_t k = 0; k < sim.rows(); ++k)
     if (sim.position(k).x > 0.03) run_out += sim.mass(k);
@@ -46,6 +47,6 @@ int main(int argc, char** argv) {
       std::printf("rank %zu: %zu beads, %zu ghosts\n", r, std::size_t{loads[r].particles},
                   std::size_t{loads[r].ghosts});
   }
-  // Catches beads that are lost between ranks, and ranks that do not feel each other's beads.
+  // Fails for beads lost between ranks, and for missing contacts between beads of different ranks.
   return kept && run_out > 0.3 * mass && run_out < 0.9 * mass ? 0 : 1;
 }

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A run that is stopped goes on. A turning drum is filled by an inlet; its run is stopped halfway
-// and goes on from a checkpoint, to the same bits as a run without a stop.
+// A stopped run is continued. A rotating drum is filled by an inlet; the run stops halfway and
+// continues from a checkpoint. The result is bitwise equal to that of a run without a stop.
 //
 // picture: draw restart/particles.pvd --colour velocity --time 0.2 0.5 1 --width 1200 -o restart.png
 
@@ -10,7 +10,7 @@
 
 #include <silt/silt.hpp>
 
-// The scene as it begins. A program that goes on builds the same, then loads.
+// The initial scene. A program that continues builds the same scene, then loads the checkpoint.
 auto drum() {
   const silt::HertzMindlin::Material glass{
       .youngs_modulus = 5e6,  // [Pa]
@@ -44,7 +44,8 @@ int main() {
 
   auto again = drum();
   silt::load_checkpoint(again, "restart/drum.silt");
-  // What is left, as the stop was at the first step after 0.5 s. The series of files goes on, too.
+  // The remaining time, as the run stopped at the first step after 0.5 s. The file series continues
+  // too.
   again.run(1 - again.time(), silt::vtk_series("restart", silt::every(0.05)), silt::progress());
 
   double largest = 0, speed = 0;  // [m], [m/s]
@@ -55,6 +56,7 @@ int main() {
   }
   std::printf("%zu beads after %.1f s; largest difference of places %g m, of velocities %g m/s\n",
               again.size(), again.time(), largest, speed);
-  // Catches whatever a checkpoint forgets: springs of contacts, the drum's turn, the inlet's seed.
+  // Fails if a checkpoint lacks anything: contact springs, the drum's angle, the inlet's random
+  // state.
   return whole.size() > 1000 && again.size() == whole.size() && largest == 0 && speed == 0 ? 0 : 1;
 }

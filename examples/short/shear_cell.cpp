@@ -1,7 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Shear at constant pressure. Spheres in a box that repeats are sheared ever faster at constant
-// normal stress: the friction of the flow grows with the inertial number, and the bed dilates.
+// Shear at constant pressure. Spheres in a periodic box are sheared at increasing rates under
+// constant normal stress: the effective friction increases with the inertial number, and the bed
+// dilates.
 //
 // picture: draw shear_cell/particles.pvd --colour velocity.x --view top --frame 0 -1 -o shear_cell.png
 // picture: curves shear_cell/friction.csv --x inertial --y friction,solid --log x -o shear_cell_friction.png
@@ -37,7 +38,7 @@ int main() {
                        {"inertial number", "friction", "solid fraction"});
   double first = 0, last = 0;
   for (const double inertial : {0.02, 0.05, 0.1, 0.3}) {
-    // The velocity along x grows with y; the box may grow along y alone.
+    // The velocity along x increases with y; the box can expand along y only.
     const double rate = inertial / inertial_time;  // [1/s]
     sim.deform({.y = kept, .xy = {.rate = rate}});
     sim.run(1 / rate, files);  // a strain of 1 until the flow is steady
@@ -52,6 +53,6 @@ int main() {
     std::printf("inertial number %.2f: friction %.3f, solid fraction %.3f\n", inertial, last,
                 solid / samples);
   }
-  // Catches stresses of the wrong sign and beads without friction, whose flow has about 0.1.
+  // Fails for stresses of the wrong sign and beads without friction (about 0.1).
   return first > 0.25 && first < 0.5 && last > first + 0.05 ? 0 : 1;
 }

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A silo empties. Glass beads in coloured layers flow out of a cone, whose opening is 7 beads wide:
-// the middle sinks first. Printed is the mass flow beside Beverloo's rule.
+// A silo empties. Glass beads in coloured layers flow out of a cone with an opening 7 beads wide:
+// the centre sinks first. The program prints the mass flow beside Beverloo's correlation.
 //
 // picture: draw silo/particles.pvd --colour layer --cut y=0 --time 0.2 0.35 0.5 -o silo.png
 
@@ -20,7 +20,7 @@ int main() {
   beads.fill(silt::CylinderRegion{{0, 0, cone}, {0, 0, height}, radius},
              {.radius = silt::uniform(0.45 * d, 0.55 * d), .density = 2500});
 
-  // "layer" is a number of each bead, here for its colour.
+  // "layer" is a number of each bead, used here for its colour.
   silt::Simulation sim{std::move(beads), silt::Contacts<silt::HertzMindlin>{glass},
                        silt::Field<"layer">{}};
   sim.gravity = {0, 0, -9.81};
@@ -40,9 +40,9 @@ int main() {
   sim.run(0.2, files);
   const double flow = (sim.outlet(outlet).mass - before) / (sim.time() - since);
 
-  // Beverloo: beads of bulk density 1500 kg/m3 through an opening, of which 1.4 d do not count.
+  // Beverloo: bulk density 1500 kg/m3, opening reduced by 1.4 d.
   const double beverloo = 0.58 * 1500 * std::sqrt(9.81) * std::pow(opening - 1.4 * d, 2.5);
   std::printf("%.1f g/s flow out, by Beverloo's rule %.1f g/s\n", 1e3 * flow, 1e3 * beverloo);
-  // Catches beads that bridge the opening, and an outlet that counts beads twice.
+  // Fails for beads that block the opening, and for an outlet that counts beads twice.
   return flow > 0.7 * beverloo && flow < 1.4 * beverloo ? 0 : 1;
 }

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A dam breaks. A column of water (SPH, in two dimensions) runs along a tank and climbs its far
-// wall; the program prints how fast its front goes and how hard it hits.
+// Dam break. A column of water (SPH, in two dimensions) collapses, runs along a tank and climbs the
+// far wall. The program prints the speed of the front and the force on the wall.
 //
 // picture: draw sph_dam/water.pvd --colour velocity --time 0.12 0.24 0.4 0.8 --radius 0.003 --bounds -0.005,0.605,-0.005,0.4 --width 1200 -o sph_dam.png
 
@@ -50,8 +50,7 @@ int main() {
   const double still = 1000 * g * depth * depth / 2;  // [N/m] of the column at rest on a wall
   std::printf("front %.2f m/s, %.2f times sqrt(g H); a dry bed has 2\n", speed, speed / wave);
   std::printf("far wall %.0f N/m, %.1f times the column at rest\n", hardest, hardest / still);
-  // Catches water that is too slow, or faster than any front on a dry bed, and water that gets
-  // lost.
+  // Fails for water that is too slow, or faster than any front on a dry bed, and for lost water.
   return speed > 1.2 * wave && speed < 2 * wave && hardest > 0.5 * still && water.left() == 0 ? 0
                                                                                               : 1;
 }

@@ -1,7 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A mixer whose blades come from an STL file. Four blades on a shaft lift grains of two colours,
-// which lie side by side at first. Printed are torque and power; both settle within half a turn.
+// Mixer with blades from an STL file. Four blades on a shaft lift grains of two colours, which lie
+// side by side at the start. The program prints torque and power; both become steady within half a
+// turn.
 //
 // picture: draw stl_mixer/particles.pvd --colour side --names left,right --time 0.3 0.7 1.8 --view top --walls-as solid -o stl_mixer.png
 // picture: curves stl_mixer/torque.csv --x time --y torque -o stl_mixer_torque.png
@@ -14,7 +15,7 @@
 
 #include <silt/silt.hpp>
 
-// Writes the file, in millimetres: four plates that lean back by 45 degrees, and a shaft.
+// Writes the STL file, in millimetres: four plates tilted back by 45 degrees, and a shaft.
 void write_blades(const char* file) {
   std::vector<std::array<silt::Vec3d, 3>> triangles;
   const auto add = [&](const silt::TriangleMesh& mesh) {
@@ -64,8 +65,8 @@ int main() {
   const double torque = -all.read(sim).torque.z;
   std::printf("torque %.4f N m, power %.4f W at 40 1/min\n", torque, torque * rate);
 
-  // The weight of the grains on an arm of a third of the radius: a scale for the torque. Catches
-  // blades that pass through the grains, as with a file in another unit, and a wrong sign.
+  // Scale of the torque: the weight of the grains with a lever arm of a third of the radius. Fails
+  // for blades that pass through the grains (a file in another unit), and for a wrong sign.
   const double scale = 0.4 * sim.total_mass() * 9.81 * radius / 3;
   return torque > 0.1 * scale && torque < 10 * scale ? 0 : 1;
 }

@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Error against run time. A bead bounces off a plate with several stiffnesses and time steps; the
-// study prints what each costs, how far the bead lands from where a stiff one does, and which to
-// take.
+// Error against run time. A bead bounces off a plate with several stiffnesses and time steps. The
+// study prints the cost of each variant, its error in the landing point (against a stiff bead), and
+// which to use.
 //
 // picture: study/pareto.png
 
@@ -13,7 +13,7 @@
 #include <silt/silt.hpp>
 #include <silt/study/study.hpp>
 
-/// A bead, thrown at a plate under 45 degrees: where it is after 30 ms [m]. `steps`: of a contact.
+/// A bead thrown at a plate at 45 degrees: its position after 30 ms [m]. `steps`: per contact.
 std::vector<double> bounce(silt::StudyRun& run, double modulus, double steps) {
   const double radius = 1e-3, density = 2500, speed = 1;  // [m], [kg/m3], [m/s] along and down
   const silt::HertzMindlin::Material glass{.youngs_modulus = modulus,  // [Pa]
@@ -29,7 +29,7 @@ std::vector<double> bounce(silt::StudyRun& run, double modulus, double steps) {
   sim.gravity = {0, 0, -9.81};
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, glass);
 
-  // Hertz' contact time of an elastic bead and a plate of the same material.
+  // Hertz contact time of an elastic bead and a plate of the same material.
   const double m = sim.total_mass(), E = modulus / (2 * (1 - 0.25 * 0.25));
   sim.time_step = 2.87 * std::pow(m * m / (radius * E * E * speed), 0.2) / steps;
   run.time([&] { sim.run(0.03); });
@@ -48,7 +48,7 @@ int main() {
   study.run({.repeats = 3});
   study.report("study");
 
-  // Catches stiffness without effect, and a stiff bead with fine steps that is not right.
+  // Fails if stiffness has no effect, or if the stiff bead with small steps is wrong.
   const auto& rows = study.results().rows;
   const auto error = [&](std::size_t k) { return std::abs(rows[k].errors.at(0).value); };
   return error(2) > 3 * error(11) && error(11) < 0.01 ? 0 : 1;

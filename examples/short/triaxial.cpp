@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Triaxial compression of a dense and a loose sample. A box of spheres is shortened along z at
-// constant stress on its sides: the dense sample has a peak of strength and dilates, the loose one
-// has neither, and both end in the same state. Printed are the friction angles.
+// Triaxial compression of a dense and a loose sample. A periodic box of spheres is shortened along
+// z at constant lateral stress. The dense sample has a peak strength and dilates, the loose one
+// does neither, and both reach the same state. The program prints the friction angles.
 //
 // picture: curves triaxial/dense.csv triaxial/loose.csv --x axial --y stress,volumetric -o triaxial.png
 
@@ -54,7 +54,7 @@ Angles compress(const std::string& name, double friction_before) {
     const auto strain = sim.domain().strain() - before;
     table.add_row({-100 * strain.zz, ratio, -100 * (strain.xx + strain.yy + strain.zz)});
   }
-  // Mohr and Coulomb: sin(phi) = (axial - sides)/(axial + sides), with q = axial - sides.
+  // Mohr-Coulomb: sin(phi) = (axial - lateral)/(axial + lateral), with q = axial - lateral.
   const auto angle = [](double q) { return std::asin(3 * q / (6 + q)) * 180 / M_PI; };
   return {angle(peak), angle(end)};
 }
@@ -65,8 +65,8 @@ int main() {
               dense.peak, dense.end);
   std::printf("friction angle of the loose sample: %.0f degrees at the peak, %.0f at the end\n",
               loose.peak, loose.end);
-  // Catches friction that does not act (6 degrees), a dense sample that is no stronger, and samples
-  // that do not forget how they were made.
+  // Fails for friction without effect (6 degrees), a dense sample that is no stronger, and samples
+  // that end in different states.
   const bool forgotten = std::abs(dense.end - loose.end) < 5;
   return loose.end > 12 && dense.peak < 45 && dense.peak > loose.peak + 3 && forgotten ? 0 : 1;
 }

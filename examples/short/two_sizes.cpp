@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Two sizes in a drum. Small grains of one material and large ones of another turn in a drum: after
-// one or two turns the small ones form a core, and the large ones surround it.
+// Size segregation in a drum. Small grains of one material and large ones of another rotate in a
+// drum: after one or two turns the small ones form a core, surrounded by the large ones.
 //
 // picture: draw two_sizes/particles.pvd --colour material --names small,large --time 0.3 1.5 3.3 -o two_sizes.png
 
@@ -21,7 +21,7 @@ int main() {
   contacts.add(ore, "ore"), contacts.add(coal, "coal");
   contacts.set_pair(ore, coal, {.restitution = 0.4, .friction = 0.55});
 
-  // A slice of a long drum: it repeats along its axis y.
+  // A slice of a long drum: periodic along its axis y.
   const double radius = 0.03, depth = 0.0125;  // [m]
   const silt::CylinderRegion drum{{0, 0, 0}, {0, depth, 0}, radius};
   silt::Particles<silt::Sphere> grains;
@@ -43,7 +43,7 @@ int main() {
   sim.add_wall(silt::Cylinder{{0, 0, 0}, {0, depth, 0}, radius, silt::Side::Inside}, coal,
                {.name = "drum", .motion = silt::rotation({0, 0, 0}, {0, 1, 0}, rate)});
 
-  // Mean distance of the grains of a material from the drum's wall.
+  // Mean distance from the drum's wall of the grains of a material.
   const auto from_wall = [&](std::size_t material) {
     double sum = 0, count = 0;
     for (std::size_t k = 0; k < sim.rows(); ++k) {
@@ -62,6 +62,6 @@ int main() {
       "after %.1f turns small grains are %.1f mm further from the wall than large ones "
       "(%.1f mm at first)\n",
       sim.time() * rate / (2 * std::numbers::pi), 1e3 * segregated, 1e3 * mixed);
-  // Catches grains that do not sort by size: mixed ones differ by less than a small grain.
+  // Fails without segregation: in a mixed bed the two distances differ by less than a small grain.
   return segregated > 2e-3 ? 0 : 1;
 }

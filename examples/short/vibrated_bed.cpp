@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Waves on a vibrated bed. A thin layer of grains on a plate that moves up and down forms waves,
-// whose crests and troughs change places from one stroke to the next: their period is two strokes.
-// Printed is the length of the waves.
+// Waves on a vibrated bed. A thin layer of grains lies on a plate that vibrates vertically. Waves
+// form whose crests and troughs swap at each stroke: their period is two strokes. The program
+// prints the wavelength.
 //
 // picture: draw vibrated_bed/particles.pvd --colour velocity.z --frame -5 -1 -o vibrated_bed.png
 
@@ -29,7 +29,7 @@ int main() {
                .solid_volume = 0.58 * length * width * depth,
                .arrangement = silt::Arrangement::Random});
 
-  // The layer repeats along x and y.
+  // The layer is periodic along x and y.
   silt::Simulation sim{
       std::move(grains), silt::Contacts<silt::HertzMindlin>{grain},
       silt::PeriodicBox{{{0, 0, -0.1}, {length, width, 0.2}}, {true, true, false}}};
@@ -41,7 +41,7 @@ int main() {
   sim.run(16 * stroke);
   auto files = silt::vtk_series("vibrated_bed", silt::every(stroke / 4));
 
-  // How much mass gathers in n crests along x, and where: a coefficient of Fourier.
+  // How much mass gathers in n crests along x, and where: a Fourier coefficient.
   const auto crests = [&](int n) {
     std::complex<double> sum = 0;
     for (std::size_t k = 0; k < sim.rows(); ++k)
@@ -63,6 +63,6 @@ int main() {
 
   std::printf("%d waves of %.0f mm; a stroke later crests are shifted by %.0f degrees\n", waves,
               1e3 * length / waves, std::abs(change));
-  // Catches a layer without waves, and waves with the period of the plate.
+  // Fails for a layer without waves, and for waves with the period of the plate.
   return size[waves] > 0.05 && std::abs(change) > 120 ? 0 : 1;
 }

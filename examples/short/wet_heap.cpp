@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A dry and a wet heap. Grains lie in a box whose right wall is taken away; what stays shows the
-// angle of repose. Bridges of water between the grains make it steeper.
+// A dry and a wet heap. Grains lie in a box; its right wall is removed, and the rest forms the
+// angle of repose. Liquid bridges between the grains make it steeper.
 //
 // picture: draw wet_heap/dry/particles.pvd wet_heap/wet/particles.pvd --colour layer --title dry wet -o wet_heap.png
 
@@ -13,10 +13,10 @@
 
 #include <silt/silt.hpp>
 
-// Hertz and Mindlin's law with an attraction: the capillary force of water.
+// Hertz-Mindlin with the capillary force of water.
 using Wet = silt::Cohesive<silt::HertzMindlin, silt::CapillaryBridge>;
 
-// The angle of repose [degrees] with bridges of this volume [m3].
+// Angle of repose [degrees] with liquid bridges of this volume [m3].
 double angle_of_repose(const std::string& folder, double volume) {
   const Wet::Material sand{
       .body = {.youngs_modulus = 5e6, .poisson_ratio = 0.25, .restitution = 0.4, .friction = 0.5},
@@ -44,8 +44,8 @@ double angle_of_repose(const std::string& folder, double volume) {
   sim.remove_wall("right");
   sim.run(1, files);
 
-  // A straight line through the highest grains of columns of 4 mm: of the slope alone, without the
-  // crest and the last grains at its foot.
+  // A straight line through the highest grains of columns of 4 mm, without the crest and without
+  // the last grains at the toe.
   const auto top = [&](double x) {
     double z = 0;
     for (std::size_t k = 0; k < sim.rows(); ++k)
@@ -63,6 +63,6 @@ int main() {
   const double dry = angle_of_repose("wet_heap/dry", 0);
   const double wet = angle_of_repose("wet_heap/wet", 2e-12);  // [m3], 1e-3 of a radius cubed
   std::printf("angle of repose: dry %.0f degrees, wet %.0f degrees\n", dry, wet);
-  // Catches water that does not pull, and grains that flow off or stay as a block without it.
+  // Fails for water without attraction, and for dry grains that all flow off or stay as a block.
   return dry > 15 && dry < 40 && wet > dry + 5 ? 0 : 1;
 }

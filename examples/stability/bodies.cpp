@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// Bodies of all shapes: thrown at walls, at each other, overlapping, stacked, wedged, in heaps.
+// Bodies of all shapes: impacts on walls and on each other, overlapping, stacked, wedged, in heaps.
 
 #include <algorithm>
 #include <array>
@@ -36,7 +36,8 @@ Surfaces surface(At at) {
   if (at == At::Cylinder) return Cylinder{{0, -s, drum}, {0, s, drum}, drum, Side::Inside};
   return Plane{{0, 0, 0}, {0, 0, 1}};
 }
-/// Distance [m] of a point from the wall, negative behind it; `risen`: way of a wall that moves.
+/// Distance [m] of a point from the wall, negative behind it; `risen`: displacement of a moving
+/// wall.
 double clearance(At at, const Vec3d& p, double risen) {
   return at == At::Cylinder ? drum - std::hypot(p.x, p.z - drum) : p.z - risen;
 }
@@ -58,12 +59,13 @@ struct Throw {
   bool lifted = false;                        // guard.max_time_step
 };
 
-/// What energy may err by with n steps a contact. On a face with hardly any curvature (s = 40: 6300
-/// semi-axes) the point of contact runs from edge to edge within a step: ten times as much.
+/// Allowed error of the energy with n steps per contact. On a face with hardly any curvature (s =
+/// 40: 6300 semi-axes) the contact point moves from edge to edge within a step: ten times as much.
 double energy_bound(bool sharp, double n) { return (sharp ? 40 : 4) / (n * n); }
 
-/// A body and a wall meet, in the worst of some orientations. Without friction and losses it keeps
-/// its energy, as seen from the wall; else it has no more than before. It leaves the wall again.
+/// A body and a wall collide, in the worst of some orientations. Without friction and dissipation
+/// its energy, in the frame of the wall, is constant; otherwise it does not increase. The body
+/// leaves the wall again.
 Measures thrown(const Form& form, const Throw& t, int phases) {
   const bool keeps = t.e == 1 && t.friction == 0;
   double energy = 0, behind = 0, stays = 0;
@@ -87,7 +89,7 @@ Measures thrown(const Form& form, const Throw& t, int phases) {
     sim.run(0);
     if (t.share > 0) sim.time_step = 0.999 * t.share * sim.step_length() * 20 / 8;
     const double before = energy_of(sim, frame);
-    // It turns as it leaves, and may touch again and again.
+    // It rotates as it leaves, and may touch repeatedly.
     for (int slice = 0; slice < 60; ++slice) {
       sim.run(0.5 * reach / t.speed);
       const double up = clearance(t.at, sim.position(0), wall_speed * sim.time());
@@ -105,7 +107,7 @@ Measures thrown(const Form& form, const Throw& t, int phases) {
       {"does not leave", stays, 0}};
 }
 
-/// Two bodies meet: momentum is kept, energy too if e = 1.
+/// Two bodies collide: momentum is constant, energy too if e = 1.
 Measures collision(const Form& a, const Form& b, double ratio, double mass_ratio, double speed) {
   double energy = 0, momentum = 0;
   for (int k = 0; k < 3; ++k) {
@@ -139,8 +141,9 @@ Measures collision(const Form& a, const Form& b, double ratio, double mass_ratio
   return {{"energy", energy, energy_bound(a.sharp || b.sharp, 20)}, {"momentum", momentum, 1e-11}};
 }
 
-/// 27 bodies side by side, each with its box around it, overlap by a share of their least width and
-/// fly apart: with the energy that half the step finds, within 5 %; with losses, no more than that.
+/// 27 bodies side by side, each with its box around it, overlap by a fraction of their smallest
+/// width and separate: with the energy found at half the step, within 5 %; with dissipation, not
+/// more than that.
 Measures released(const Form& form, double overlap, double e) {
   Box around;
   for (const Vec3d& p : surface_of(form.shape).points) around.include(p);
@@ -170,7 +173,7 @@ Measures released(const Form& form, double overlap, double e) {
           {"pairs that do not touch", touching > 0 ? 0.0 : 1.0, 0}};
 }
 
-/// Blocks on top of each other stay there, the top one heavier.
+/// Stacked blocks stay in place, the top one heavier.
 Measures stack(int count, double mass_ratio, double modulus, double friction) {
   auto bodies = of({"block", brick(1, 1, 0.5)});
   const double scale = size / 1.0;
@@ -192,7 +195,7 @@ Measures stack(int count, double mass_ratio, double modulus, double friction) {
     aside = std::max(aside, std::hypot(sim.position(row).x, sim.position(row).y) / size);
     fallen = std::max(fallen, std::abs(sim.position(row).z / ((k + 0.5) * scale) - 1));
   }
-  // The dashpots know the mass of a block, not of what rests on it: a heavy one swings longer.
+  // The dashpots use the mass of a block, not of its load: a heavy stack oscillates longer.
   const bool heavy = mass_ratio > 1;
   return {{"load of the floor", std::abs(-sim.wall(0).force.z / weight - 1), heavy ? 1 : 1e-3},
           {"aside", aside, 1e-3},
@@ -200,7 +203,7 @@ Measures stack(int count, double mass_ratio, double modulus, double friction) {
           {"energy over weight times size", energy_of(sim) / (weight * size), heavy ? 0.1 : 1e-8}};
 }
 
-/// A body falls between two planes that meet at `angle`, and is pressed in: they bear the load.
+/// A body falls between two planes that meet at `angle`, and is pressed in: they carry the load.
 Measures wedged(const Form& form, double angle, double pull, double friction) {
   auto bodies = of(form);
   const double reach = reach_of(bodies.forms()[0], size), half = angle / 2 * std::numbers::pi / 180;
@@ -224,14 +227,14 @@ Measures wedged(const Form& form, double angle, double pull, double friction) {
     if (s.time() > 8 * fall) borne -= s.wall(0).force.z + s.wall(1).force.z, samples += 1;
   };
   sim.run(10 * fall, at(every(10 * fall / 1000), look));
-  // Smooth ones roll along the wedge and rock in it: nothing stops them. At half the speed of the
-  // fall, there and back, the load is off by half over the two times of a fall.
+  // Smooth bodies roll along the wedge and rock in it undamped. At half the impact speed, down and
+  // up, the mean load over two fall times is off by half.
   return {{"energy gained", gained, 1e-3},
           {"behind a wall", behind, 0},
           {"mean load of the walls", std::abs(borne / samples / load - 1), 0.5}};
 }
 
-/// Two plates close on a body: it cannot go anywhere.
+/// Two plates close on a body that cannot escape.
 Measures closing(const Form& form, At at, double speed) {
   auto bodies = of(form);
   const double reach = reach_of(bodies.forms()[0], size);
@@ -249,7 +252,7 @@ Measures closing(const Form& form, At at, double speed) {
   return {{"let two plates pass", 1, 0}};
 }
 
-/// Bodies of some forms fall into a box and come to rest; the floor bears them.
+/// Bodies of some forms fall into a box and come to rest; the floor carries them.
 Measures heap(const std::vector<Form>& forms, double e, double friction) {
   Particles<Grains> bodies;
   const double side = 12 * size;
@@ -289,7 +292,7 @@ Measures heap(const std::vector<Form>& forms, double e, double friction) {
                {"energy gained", std::max(all() / before - 1, 0.0), 1e-3}};
   if (e == 1 || friction == 0) return out;
   out.push_back({"mean load of the floor", std::abs(borne / samples / weight - 1), 0.02});
-  // Round ones roll on.
+  // Round ones continue to roll.
   out.push_back({"energy over weight times size", energy_of(sim) / (weight * size), 1e-2});
   return out;
 }

@@ -10,7 +10,8 @@
 #include <silt/shape/mix.hpp>
 #include <silt/simulation.hpp>
 
-/// The bodies of the stability suite: all kinds of shapes, up to needles, plates and sharp boxes.
+/// The bodies of the stability suite: all kinds of shapes, including needles, plates and
+/// sharp-edged boxes.
 namespace stability {
 
 using Grains = silt::Mix<silt::Sphere, silt::MultiSphere, silt::SuperEllipsoid, silt::Polyhedron,
@@ -60,7 +61,7 @@ inline double reach_of(const silt::BodyForm<Grains>& form, double radius) {
   return form.radius * radius * std::cbrt(silt::Sphere::volume(1) / form.mass.volume);
 }
 
-/// Kinetic energy [J] seen from something that moves at `frame` [m/s].
+/// Kinetic energy [J] in a frame that moves at `frame` [m/s].
 template <class Sim>
 double energy_of(const Sim& sim, const silt::Vec3d& frame = {0, 0, 0}) {
   double sum = 0;

@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
-// Bonds: stiff and strongly damped ones, ones that hardly hold, between unequal spheres, and fibres
-// that are thrown at a wall.
+// Bonds: stiff and strongly damped ones, very weak ones, between unequal spheres, and fibres that
+// hit a wall.
 
 #include <algorithm>
 #include <cmath>
@@ -40,15 +40,15 @@ double fastest(const Sim& sim) {
   for (std::size_t k = 0; k < sim.rows(); ++k) most = std::max(most, norm(sim.velocity(k)));
   return most;
 }
-/// [J] of motion, springs of contacts and bonds.
+/// [J] kinetic energy, energy of contact springs and bonds.
 template <class Sim>
 double held(const Sim& sim) {
   const auto e = sim.energy();
   return e.kinetic() + e.elastic();
 }
 
-/// A fibre of ten is hit at its end, askew, and swings. `step`: over the longest that is allowed;
-/// 0: as silt chooses.
+/// A fibre of ten spheres is hit obliquely at its end, and oscillates. `step`: over the longest
+/// allowed step; 0: silt's choice.
 Measures swings(double stiffness, double damping, double step) {
   const auto make = [&] {
     auto sim = scene({.youngs_modulus = stiffness * modulus, .damping = damping});
@@ -58,7 +58,8 @@ Measures swings(double stiffness, double damping, double step) {
   };
   auto sim = make();
   if (step > 0) {
-    // The limit is what the refusal of a longer one says; of the same scene at a step of its own.
+    // The limit is read from the message that refuses a longer step; with silt's choice from the
+    // same scene.
     auto other = make();
     other.run(0);
     double low = other.step_length(), high = 20 * low;
@@ -83,14 +84,14 @@ Measures swings(double stiffness, double damping, double step) {
     most = std::max(most, held(sim) / start), least = std::min(least, held(sim) / start);
     off = std::max(off, std::abs(sim.energy().residual()) / start);
   }
-  // Of the fastest swing, by (w dt)^2/8 of its energy; the step is 0.8/w at the longest.
+  // For the fastest oscillation, (w dt)^2/8 of its energy; the step is at most 0.8/w.
   const double w_dt = step > 0 ? 0.8 * step : std::numbers::pi / 20;
   if (damping > 0) return {{"energy gained", most - 1, 1e-9}, {"energy at the end", least, 0.7}};
   return {{"energy gained", most - 1, w_dt * w_dt / 8}, {"ledger", off, w_dt * w_dt / 8}};
 }
 
-/// A block of 4 x 4 x 4, pressed together by `overlap` of the radius and bonded, whose bonds hold
-/// next to nothing: it falls apart without a push.
+/// A block of 4 x 4 x 4 spheres, compressed by `overlap` of the radius and bonded with almost zero
+/// strength: it disintegrates without a push.
 Measures hardly_holds(double strength, double overlap, double e) {
   auto sim = scene({.youngs_modulus = modulus,
                     .tensile_strength = strength,
@@ -128,8 +129,8 @@ auto bonded_two(double ratio, double stiffness) {
   sim.bond(0, 1);
   return sim;
 }
-/// A sphere on one `ratio` times as large, both of one density, swings along their bond: how long
-/// it takes, by the reduced mass.
+/// A sphere bonded to one `ratio` times as large, of the same density, oscillates along their bond:
+/// its period, against the one from the reduced mass.
 Measures unequal(double ratio, double stiffness) {
   auto sim = bonded_two(ratio, stiffness);
   const double length = (1 + ratio) * radius, area = std::numbers::pi * radius * radius;
@@ -138,14 +139,14 @@ Measures unequal(double ratio, double stiffness) {
   sim.set_velocity(1, {0, 0, v});
   sim.run(20 * std::numbers::pi / w);  // ten swings
   const double share = M / (m + M), relative = sim.velocity(1).z - sim.velocity(0).z;
-  // Leapfrog is ahead by (w dt)^2/24, and the run ends within a step of the time asked for.
+  // Leapfrog is early by (w dt)^2/24, and the run ends within one step of the requested time.
   const double w_dt = w * sim.step_length(),
                phase = 20 * std::numbers::pi * w_dt * w_dt / 24 + w_dt;
   return {{"speed after ten swings", std::abs(relative / v - 1), phase * phase / 2 + 1e-4},
           {"centre of mass", std::abs(sim.mean_velocity().z / v / (1 - share) - 1), 1e-9},
           {"ledger", std::abs(sim.energy().residual()) / (0.5 * m * v * v), 0.02}};
 }
-/// The same, hit across: it swings and bends; energy stays.
+/// The same, hit sideways: rotation and bending; energy is constant.
 Measures unequal_across(double ratio, double stiffness) {
   auto sim = bonded_two(ratio, stiffness);
   sim.set_velocity(1, {1e-3, 0, 0}), sim.set_angular_velocity(1, {0.5, 1, 2});
@@ -165,7 +166,7 @@ struct Throw {
   double strength, e;          // [Pa], [-]
   bool moving;                 // wall
 };
-/// A fibre of ten flies at a wall, askew.
+/// A fibre of ten spheres hits a wall obliquely.
 Measures thrown(const Throw& t) {
   const auto [speed, contacts, stiffness, strength, e, moving] = t;
   auto sim = scene({.youngs_modulus = stiffness * contacts,
@@ -233,7 +234,7 @@ void bonds(Table& table) {
               "no sphere is behind the wall, no energy comes from nowhere, e = 1 keeps it");
   for (const double stiffness : {1.0, 1e3})
     for (const double speed : {0.1, 1.0, 10.0, 100.0})
-      // Soft, or of one overlap at all speeds.
+      // Soft, or with the same overlap at all speeds.
       for (const double contacts :
            speed > 1 ? std::vector{1e7, 1e7 * speed * speed} : std::vector{1e7}) {
         if (stiffness > 1 && (table.quick || speed < 1)) continue;  // at 0.1 m/s 1e7 steps

@@ -1,5 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
-// Breakage: strengths near zero, bursts in a corner, fragments of unequal sizes under a piston.
+// Breakage: strengths near zero, many breakages in a corner, fragments of unequal sizes under a
+// piston.
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +26,7 @@ constexpr double radius = 1e-3, density = 2500;  // [m], [kg/m3]
 HertzMindlin::Material solid(double modulus, double e) {
   return {.youngs_modulus = modulus, .poisson_ratio = 0.3, .restitution = e, .friction = 0.3};
 }
-/// Of one strength [N], whatever the size.
+/// One strength [N] for all sizes.
 auto policy(double strength, BreakageRules rules) {
   return Breakage{LogLogisticStrength{strength, 2 * radius, 0, 50}, HertzEquivalence{},
                   GaudinSchuhmann{1, 0.8}, std::move(rules)};
@@ -36,14 +37,14 @@ auto scene(double modulus, double e, double strength, BreakageRules rules) {
   sim.threads = 1;
   return sim;
 }
-/// The energy that came from nowhere, over that at the start; what lets fragments part, and dust
-/// takes along, is known.
+/// Energy of unknown origin, over that at the start; the energies from separating fragments and
+/// lost with dust are known.
 template <class Sim>
 double gained(const Sim& sim, double start) {
   const auto e = sim.energy();
   return (e.kinetic() + e.elastic() - start - e.walls - e.openings - e.parting) / start;
 }
-/// The ledger errs with the square of the step: 20 steps an impact leave up to 0.6 % at e = 0.3.
+/// The ledger's error is quadratic in the step: with 20 steps per impact up to 0.6 % at e = 0.3.
 template <class Sim>
 Measures judged(const Sim& sim, double start, double behind) {
   const auto m = sim.mass_balance();
@@ -59,7 +60,7 @@ double start_of(Sim& sim) {
   return sim.energy().kinetic() + sim.energy().elastic();
 }
 
-/// Grains fly into a corner of three planes and break at whatever they touch, again and again.
+/// Grains hit a corner of three planes and break at every contact, repeatedly.
 Measures corner(double speed, double modulus, double e, double strength) {
   auto sim = scene(modulus, e, strength, {.dust_below = 0.3 * radius, .most_fragments = 20});
   Particles<Sphere> grains;
@@ -84,7 +85,7 @@ Measures corner(double speed, double modulus, double e, double strength) {
   return judged(sim, start, behind);
 }
 
-/// All grains of a block that touches three walls burst in one step.
+/// All grains of a block that touches three walls break in one step.
 Measures burst(int side, std::size_t fragments, double separation) {
   auto sim = scene(
       1e9, 0.5, 1e6,
@@ -111,13 +112,13 @@ Measures burst(int side, std::size_t fragments, double separation) {
       fastest = std::max(fastest, norm(sim.velocity(k)));
     }
   auto all = judged(sim, start, behind);
-  // 2 m* v^2 from each of some twenty pairs that a light one has with heavy ones: 2 v sqrt(20).
+  // 2 m* v^2 from each of about twenty pairs of a light fragment with heavy ones: 2 v sqrt(20).
   all.push_back({"fastest", fastest / (0.1 + separation), 9});
   return all;
 }
 
-/// Grains that have burst into fragments of sizes up to 1:`ratio` are pressed by a piston that
-/// comes down by a tenth of their height.
+/// Grains that have broken into fragments of sizes up to 1:`ratio` are compressed by a piston that
+/// moves down by a tenth of their height.
 Measures piston(double ratio, double modulus) {
   auto sim = scene(modulus, 0.5, 1e6, {.dust_below = 2 * radius / ratio, .most_fragments = 30});
   Particles<Sphere> grains;

@@ -7,14 +7,14 @@
 
 #include <silt/simulation.hpp>
 
-/// Head-on impacts of one sphere on another or on a plane, and what they may err by.
+/// Head-on impacts of a sphere on another or on a plane, and their allowed errors.
 namespace stability {
 
 inline double mass_of(double radius, double density) {
   return density * silt::Sphere::volume(radius);
 }
 
-/// A sphere of `radius` flies at a plane, or at a sphere of the radius `partner` that is at rest.
+/// A sphere of `radius` hits a plane, or a sphere of the radius `partner` at rest.
 struct Hit {
   double radius = 1e-3;    // [m]
   double partner = 0;      // [m] 0: a plane
@@ -69,9 +69,9 @@ Rebound rebound(const ContactsType& contacts, const Hit& hit) {
   return {parting / hit.speed, sim.peak_overlap(), sim.step_length(), momentum};
 }
 
-/// What a rebound may err by with n steps a contact, as a share of the restitution: the dashpot's
-/// force comes up to one step too early or too late, 2 zeta w0 dt = 2 pi zeta/n, and leapfrog's own
-/// error of a half sine is at most 1.5 (w0 dt)^2/8. (As tests/physics/impact.cpp.)
+/// Allowed error of a rebound with n steps per contact, relative to the restitution: the dashpot's
+/// force is up to one step early or late, 2 zeta w0 dt = 2 pi zeta/n, and leapfrog's own error for
+/// a half sine is at most 1.5 (w0 dt)^2/8. (As tests/physics/impact.cpp.)
 inline double rebound_bound(double zeta, double n) {
   return 2 * std::numbers::pi * zeta / n + 1.9 / (n * n);
 }

@@ -23,7 +23,7 @@ Contacts<Law> hertz(double modulus, double e) {
       {.youngs_modulus = modulus, .poisson_ratio = 0.3, .restitution = e, .friction = 0}};
 }
 
-/// One impact of Hertz' law, the worst of `phases` starts, against its closed forms.
+/// One impact with Hertz' law, the worst of `phases` starts, against its closed forms.
 template <class Precision, DampingEnd End>
 Measures impact(double modulus, double e, Hit hit, int phases = 8) {
   const auto contacts = hertz<BasicHertzMindlin<End>>(modulus, e);
@@ -68,8 +68,8 @@ Measures linear_impact(double stiffness, double e, Hit hit) {
   return worst;
 }
 
-/// Two equal spheres by an integrator, from the time step that silt chooses, or at the limit of the
-/// guard, which is 2.5 times that.
+/// Two equal spheres with an integrator, at silt's choice of the time step, or at the limit of the
+/// guard, 2.5 times that.
 template <class Integrator, class Law>
 Measures by_integrator(const Contacts<Law>& contacts, double e, bool at_limit) {
   Hit hit{.partner = 1e-3};
@@ -82,7 +82,7 @@ Measures by_integrator(const Contacts<Law>& contacts, double e, bool at_limit) {
   for (int k = 0; k < 16; ++k) {
     hit.gap = 0.01 + k / 16.0 * chosen * hit.speed / hit.radius;
     const auto found = rebound<Integrator>(contacts, hit);
-    // What the others err by (impact.hpp), and 0.02 where strong dashpots set the step.
+    // Errors of the others (impact.hpp), and 0.02 where strong dashpots determine the step.
     const double n = contact / found.time_step;
     const double bound = e * rebound_bound(damping_ratio(e, ZeroForce), n);
     worst[0] = {"restitution", std::max(worst[0].error, std::abs(found.restitution - e)),
@@ -110,8 +110,8 @@ void rows_of_integrator(Table& table, const std::string& name) {
     }
 }
 
-/// Two large spheres of a light foam meet, a small one of steel, though heavier, is not far: whose
-/// contacts are the shortest?
+/// Two large spheres of a light foam collide, near a small one of steel that is heavier all the
+/// same: whose contacts are the shortest?
 Measures light_and_heavy() {
   const double large = 5e-3, foam = 5, e = 0.5, speed = 1, modulus = 1e6;
   const auto contacts = hertz<HertzMindlin>(modulus, e);

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// Crowds in a liquid, from particles a millionth as dense as it to a million times as dense.
+// Suspensions with particles from 1e-6 to 1e6 times the density of the liquid.
 
 #include <algorithm>
 #include <cmath>
@@ -17,8 +17,8 @@ using namespace silt;
 
 constexpr double water = 1000, mu = 1e-3, g = 9.81, d = 0.5e-3;  // [kg/m3], [Pa s], [m/s2], [m]
 
-/// A disturbed lattice of spheres between a floor and a lid of water, from rest, in fluid steps of
-/// half the relaxation time, or as long as the flow allows.
+/// A disturbed lattice of spheres in water between a floor and a lid, from rest, with fluid steps
+/// of half the relaxation time, or the longest that the flow allows.
 template <class... Forces>
 Measures crowd(double ratio, double voidage, const Forces&... forces) {
   const int n = 4, layers = 14, steps = 5;
@@ -41,12 +41,12 @@ Measures crowd(double ratio, double voidage, const Forces&... forces) {
   const double relaxation = voidage * voidage * (density + water) * V / K;
   constexpr bool added = (false || ... || std::is_same_v<Forces, VirtualMass>);
   const double settling = (added ? 25 : 8) * relaxation;
-  // So short that the lattice stays one.
+  // Short enough for the lattice to persist.
   const double longest = (added ? 0.9 : 0.3) * pitch / law;
   const double span = std::min({0.5 * relaxation, 0.9 * flow.stable_step(), longest / 40});
   CoupledFlow fluid{Gidaspow{}, Kernel{}, std::move(flow), forces...};
   fluid.steps = steps;
-  // Of no stiffness: nothing but the fluid is looked at.
+  // Zero stiffness: only the fluid matters here.
   Simulation sim{std::move(grains), Contacts<HertzMindlin>{{1e-14, 0.3, 0.5, 0.3}},
                  PeriodicBox{box, {true, true, false}}, std::move(fluid)};
   sim.gravity = {0, 0, -g}, sim.time_step = span / steps, sim.threads = 1;
@@ -55,19 +55,19 @@ Measures crowd(double ratio, double voidage, const Forces&... forces) {
   double mean = 0, fastest = 0, seen = 0;
   int count = 0;
   for (std::size_t k = 0; k < sim.rows(); ++k) {
-    // Weights blur the crowd's ends over some diameters.
+    // The kernel smooths the suspension's ends over some diameters.
     if (std::abs(sim.position(k).z / H - 0.5) > 0.08) continue;
     mean += sim.velocity(k).z, ++count;
     seen += sim.fluid().voidage_at_particles()[k];
     fastest = std::max(fastest, norm(sim.velocity(k)));
   }
-  // Of the law at the voidage that the grains see.
+  // From the law at the void fraction that the grains see.
   mean *= (ratio < 1 ? 1.0 : -1.0) / count /
           minimum_fluidisation_velocity(Gidaspow{}, seen / count, d, density, water, mu);
   const bool settled = settling < longest;
   Measures all{{"momentum exchanged", sim.fluid().closure().momentum, 1e-12},
                {"largest velocity", fastest / law, 1.3}};
-  // Heavy ones are still on their way, which takes longer than the lattice holds.
+  // Heavy ones are still accelerating, which takes longer than the lattice persists.
   if (settled)
     all.push_back({"velocity", std::abs(mean - 1), 0.05});
   else
@@ -75,8 +75,8 @@ Measures crowd(double ratio, double voidage, const Forces&... forces) {
   return all;
 }
 
-/// 15 % of solids rise in a closed box of water, gather under its lid and come to rest, in fluid
-/// steps that silt chooses.
+/// 15 % of solids rise in a closed box of water, collect under its lid and come to rest, with fluid
+/// steps chosen by silt.
 template <class... Forces>
 Measures under_lid(double density, double restitution, const Forces&... forces) {
   const int n = 3, layers = 8;
@@ -111,7 +111,7 @@ Measures under_lid(double density, double restitution, const Forces&... forces) 
   sim.run(0.3 - sim.time());
   for (std::size_t k = 0; k < sim.rows(); ++k) left = std::max(left, norm(sim.velocity(k)) / law);
   const double load = sim.wall(lid).force.z / (count * (water - density) * V * g);
-  // Both ends of the crowd are looser than its middle.
+  // Both ends of the packing are looser than its middle.
   return {{"momentum exchanged", sim.fluid().closure().momentum, 1e-12},
           {"velocity while they rise", swing, 0.25},
           {"velocity at rest", left, 1e-3},

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// Walls that move fast: a plate or a mesh that hits a grain, two plates that close on one.
+// Fast moving walls: a plate or a mesh that hits a grain, two plates that close on one.
 
 #include <array>
 #include <cmath>
@@ -26,7 +26,7 @@ double contact_time(double modulus, double speed) {
                             mass_of(radius, density), speed);
 }
 
-/// A square about the origin in the plane z = 0, as a mesh or as the plane with its free side up or
+/// A square about the origin in the plane z = 0, as a mesh or as a plane with its free side up or
 /// down.
 Surfaces plate(bool mesh, double up) {
   if (!mesh) return Plane{{0, 0, 0}, {0, 0, up}};
@@ -38,8 +38,8 @@ Motion moving(double from, double speed) {
   return [=](double t) { return Pose{{}, {0, 0, from + speed * t}}; };
 }
 
-/// A plate comes up and hits a grain at rest: it leaves with (1 + e) times the speed of the plate.
-/// `step`: over a twentieth of the contact at the plate's speed; 0: as silt chooses, with gravity.
+/// A rising plate hits a grain at rest, which leaves at (1 + e) times the plate's speed. `step`:
+/// over 1/20 of the contact at the plate's speed; 0: silt's choice, with gravity.
 Measures hit_by(bool mesh, double modulus, double speed, double step) {
   const double e = 0.5, contact = contact_time(modulus, speed);
   double worst = 0, behind = 0, n = 0;
@@ -69,7 +69,7 @@ Measures hit_by(bool mesh, double modulus, double speed, double step) {
           {"restitution", worst, e * rebound_bound(damping_ratio(e, DampingEnd::ZeroForce), n)}};
 }
 
-/// Two plates close on a grain between them: it cannot go anywhere.
+/// Two plates close on a grain that cannot escape.
 Measures closing(bool mesh, double modulus, double speed, double step) {
   Particles<Sphere> spheres;
   spheres.add({.position = {0, 0, 0}, .radius = radius, .density = density});

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// Numbers that are none, and combinations that make no sense: all must be refused or stopped.
+// NaN, and meaningless combinations: all must be refused or stopped.
 
 #include <cmath>
 #include <limits>
@@ -21,7 +21,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double radius = 1e-3, density = 2500;  // [m], [kg/m3]
 const HertzMindlin::Material rubber{1e7, 0.3, 0.5, 0.3};
 
-/// A law of the user's whose force is no number from some overlap on.
+/// A user-defined law whose force is NaN above some overlap.
 struct Broken {
   struct Material {
     double k;  // [N/m]
@@ -38,7 +38,7 @@ struct Broken {
   }
 };
 
-/// A rolling model of the user's whose couple is no number.
+/// A user-defined rolling model whose couple is NaN.
 struct BrokenRolling {
   static constexpr bool is_rolling_model = true;
   struct Pair {};
@@ -67,12 +67,12 @@ auto falling(const ContactsType& contacts, const Vec3d& velocity = {0, 0, -1}) {
   return sim;
 }
 
-/// It came to its end, which it must not.
+/// The run ended normally, which it must not.
 Measures passed(const Vec3d& velocity) {
   return {{is_finite(velocity) ? "passed as if nothing were" : "no number at the end", NAN, 0}};
 }
 
-/// A scene that `change` spoils.
+/// A scene that `change` makes invalid.
 template <class Change>
 Measures spoilt(const Change& change, const Surfaces& floor = Plane{{0, 0, 0}, {0, 0, 1}},
                 const Motion& motion = {}) {
@@ -95,7 +95,7 @@ void no_numbers(Table& table) {
   table.scene("What is no number", "stopped or refused, never gone on with");
   const auto same = [](auto&) {};
   const Surfaces floor = Plane{{0, 0, 0}, {0, 0, 1}};
-  // The sentence must be about what is wrong: any other error would hide it.
+  // The message must be about the error made here: any other would hide it.
   const auto row = [&](const std::string& name, const std::string& words,
                        const std::function<Measures()>& run) { table.stops(name, words, run); };
   row("gravity", "Simulation::gravity", [&] { return spoilt([](auto& s) { s.gravity.z = nan; }); });

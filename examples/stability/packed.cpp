@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
-// Many contacts at once: columns, packings that overlap at the start, pressed lattices, a fine
-// grain under a large one.
+// Many simultaneous contacts: columns, packings that overlap at the start, compressed lattices, a
+// fine grain under a large one.
 
 #include <array>
 #include <cmath>
@@ -44,8 +44,8 @@ double kinetic_energy(const Sim& sim) {
 
 // ---- columns ------------------------------------------------------------------------------------
 
-/// Spheres on top of each other, at the rest that is known: contact k bears the weight of those
-/// above. It has to stay there.
+/// Spheres on top of each other, at the exact equilibrium: contact k carries the weight above it.
+/// They must stay there.
 template <class Precision>
 Measures column(int count, double radius, double modulus, int steps) {
   const double m = mass_of(radius, 2500), weight = count * m * g;
@@ -69,7 +69,7 @@ Measures column(int count, double radius, double modulus, int steps) {
     sideways = std::max(sideways, std::hypot(sim.position(k).x, sim.position(k).y));
   const double first = radius - sim.position(sim.find(0)).z;
   const double last = sim.position(sim.find(static_cast<std::uint32_t>(count - 1))).z;
-  // Rest is an exact solution: what moves is rounding, of float forces in mixed precision.
+  // Equilibrium is an exact solution: motion is rounding, of float forces in mixed precision.
   const double rounding = std::is_same_v<Precision, Mixed> ? 1e-5 : 1e-9;
   return {{"load of the floor", std::abs(-sim.wall(0).force.z / weight - 1), rounding},
           {"lowest overlap", std::abs(first / on_floor - 1), rounding},
@@ -133,16 +133,16 @@ Lattice lattice(int n, double radius, double overlap, bool repeats) {
   return out;
 }
 
-/// What silt would choose for two spheres that meet at 1 m/s [s].
+/// silt's choice of the time step [s] for two spheres that meet at 1 m/s.
 double chosen_step(double modulus, double radius, double speed) {
   return hertz_contact_time(effective_modulus(modulus, 0.3, modulus, 0.3), radius / 2,
                             mass_of(radius, 2500) / 2, speed) /
          20;
 }
 
-/// Spheres that overlap at the start fly apart: with e = 1 all that was stored becomes motion, with
-/// less it may not be more. `share` [-]: the time step over that which silt would choose for the
-/// speed at which they part.
+/// Spheres that overlap at the start separate: with e = 1 the stored energy becomes kinetic, with
+/// less it may not exceed that. `share` [-]: the time step over silt's choice for the speed of
+/// separation.
 Measures released(double overlap, double e, double share) {
   const double radius = 1e-3, modulus = 1e7;
   auto [spheres, count] = lattice(4, radius, overlap, false);
@@ -167,8 +167,8 @@ Measures released(double overlap, double e, double share) {
           {"momentum", norm(momentum) / size, 1e-12}};
 }
 
-/// A lattice pressed together in a box that repeats, e = 1, no friction: small motions in it keep
-/// their energy. `share` [-]: the time step over the limit that the guard sets for their speed.
+/// A compressed lattice in a periodic box, e = 1, no friction: small motions keep their energy.
+/// `share` [-]: the time step over the limit of the guard for their speed.
 Measures pressed(double overlap, double share, double lifted_to) {
   const double radius = 1e-3, modulus = 1e8, speed = 0.01;
   auto [spheres, count] = lattice(4, radius, overlap, true);
@@ -194,7 +194,7 @@ Measures pressed(double overlap, double share, double lifted_to) {
       }
     return stored + kinetic_energy(s);
   };
-  // Of a leapfrog step the energy swings by up to (omega dt)^2/4, but its mean must stay.
+  // In a leapfrog step the energy oscillates by up to (omega dt)^2/4, but its mean must stay.
   double early = 0, late = 0, kinetic = kinetic_energy(sim);
   const double dt = *sim.time_step;
   const auto add = [&](double& sum) {
@@ -208,8 +208,8 @@ Measures pressed(double overlap, double share, double lifted_to) {
 
 // ---- a fine grain under a large one -------------------------------------------------------------
 
-/// A large sphere stands on a small one, both at the rest that is known. `weight` [-]: of the large
-/// one over that of its own density.
+/// A large sphere rests on a small one, both at the exact equilibrium. `weight` [-]: of the large
+/// one over that at its own density.
 Measures squeezed(double ratio, double density_ratio, double modulus, double share) {
   const double small = 1e-4, large = ratio * small, density = 2500;
   const double mass = mass_of(large, density * density_ratio), light = mass_of(small, density);
@@ -238,8 +238,8 @@ Measures squeezed(double ratio, double density_ratio, double modulus, double sha
           {"kinetic energy", kinetic_energy(sim) / (load * below), 1e-6}};
 }
 
-/// Two plates press a grain slowly, `speed` [m/s], to `depth` of its radius on either side. e = 1:
-/// nothing but the method damps or drives it. `share`: as above, for the speed of the plates.
+/// Two plates slowly compress a grain, at `speed` [m/s], to `depth` of its radius on either side. e
+/// = 1: only the method can add or remove energy. `share`: as above, for the speed of the plates.
 Measures slow_press(double modulus, double speed, double depth, double share) {
   const double radius = 1e-3;
   Particles<Sphere> spheres;
@@ -254,7 +254,7 @@ Measures slow_press(double modulus, double speed, double depth, double share) {
   const double duration = 2 * depth * radius / speed;
   sim.run(duration);
   const double expected = stiffness(modulus, radius) * std::pow(depth * radius, 1.5);
-  // The plates move on for part of a step more.
+  // The plates continue for part of a step.
   const double slack = 4 * sim.step_length() * speed / (depth * radius);
   return {{"force on the lower plate", std::abs(-sim.wall(0).force.z / expected - 1), 1e-3 + slack},
           {"speed over that of the plates", norm(sim.velocity(0)) / speed, 0.5}};
@@ -319,7 +319,7 @@ void packed(Table& table) {
         const std::string name =
             text("mass ratio ", 1e6 * density_ratio, ", E = ", modulus, " Pa, step ",
                  share > 0 ? text(share, " of the limit") : "chosen");
-        // At 1e9 the small one is pressed flat, or too stiff for the step of an impact.
+        // At 1e9 the small one is crushed, or too stiff for the step of an impact.
         if (density_ratio > 100)
           table.stops(name, modulus < 1e10 ? "guard.max_overlap" : "are too stiff", run);
         else

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// Friction from 0 to 2, resistance to rolling and twisting.
+// Friction from 0 to 2, rolling and twisting resistance.
 
 #include <cmath>
 
@@ -55,8 +55,8 @@ auto thrown(const ContactsType& contacts, const Vec3d& velocity, const Vec3d& sp
   return sim;
 }
 
-/// A sphere hits a plane at 45 degrees to 87 degrees without spin: gross sliding where v_t > 3.5 mu
-/// (1 + e) v_n, else it may stick; in no case more energy than before.
+/// A sphere without spin hits a plane at 45 to 87 degrees: gross sliding where v_t > 3.5 mu (1 + e)
+/// v_n, otherwise it may stick; energy never increases.
 Measures oblique(double friction, double tangential, double normal) {
   const double e = 0.5;
   const Contacts<HertzMindlin> contacts{{modulus, poisson, e, friction}};
@@ -67,7 +67,7 @@ Measures oblique(double friction, double tangential, double normal) {
   sim.run(0.01 * radius / normal + 4 * contact);
   const double n = contact / sim.step_length();
   const double bound = rebound_bound(damping_ratio(e, DampingEnd::ZeroForce), n);
-  // The arm of the friction is shorter than the radius by the overlap.
+  // The lever arm of the friction is the radius minus the overlap.
   const double arm = sim.peak_overlap();
   Measures out{{"energy gained", std::max(kinetic_energy(sim) / before - 1, 0.0), 1e-9}};
   if (tangential > 3.5 * friction * (1 + e) * normal) {
@@ -81,7 +81,7 @@ Measures oblique(double friction, double tangential, double normal) {
   return out;
 }
 
-/// A sphere slides over a plane until it rolls: then at 5/7 of its speed, whatever the friction.
+/// A sphere slides on a plane until it rolls: then at 5/7 of its speed, for any friction.
 Measures sliding(double friction) {
   const double v = 0.5, m = mass_of(radius, density);
   const Contacts<HertzMindlin> contacts{{modulus, poisson, 0.5, friction}};
@@ -93,15 +93,15 @@ Measures sliding(double friction) {
   return {{"speed", std::abs(sim.velocity(0).x / expected - 1), 1e-3}};
 }
 
-/// Lets silt choose the time step, or sets it to the limit of the guard.
+/// silt's choice of the time step, or the limit of the guard.
 template <class Sim>
 void set_step(Sim& sim, bool at_limit) {
   sim.run(0);
   if (at_limit) sim.time_step = 0.999 * sim.step_length() * 20 / 8;
 }
 
-/// A sphere with speed and spin in all directions comes to rest, and never has more energy than
-/// before.
+/// A sphere with a general velocity and spin comes to rest, and its energy never exceeds the
+/// initial one.
 Measures comes_to_rest(const Resistance& r, bool at_limit) {
   const double m = mass_of(radius, density);
   auto sim = thrown(rough(0.3, r), {0.3, 0.1, 0}, {100, -200, 20}, 0.2 * radius);
@@ -132,7 +132,7 @@ auto heap_of(const Resistance& r, std::size_t count) {
   return sim;
 }
 
-/// A heap of grains in a box with friction and all resistances: at rest soon, and it stays there.
+/// A heap of grains in a box with friction and all resistances: it comes to rest, and stays there.
 Measures heap(const Resistance& r, bool at_limit) {
   auto sim = heap_of(r, 150);
   set_step(sim, at_limit);
@@ -143,13 +143,12 @@ Measures heap(const Resistance& r, bool at_limit) {
           {"load of the walls", std::abs(-sim.wall(0).force.z / weight - 1), 1e-2}};
 }
 
-/// The same heap twice, or with two threads: how many places and speeds differ.
+/// The same heap twice, or with two threads: number of differing positions and velocities.
 Measures same_bits(int threads) {
   auto a = heap_of({0.5, 0.1, 0.5}, 150), b = heap_of({0.5, 0.1, 0.5}, 150);
   b.threads = threads;
   a.run(0.05), b.run(0.05);
-  // Compared, not subtracted: x y - x y is not 0 where the compiler makes one fused operation of
-  // it.
+  // Compared, not subtracted: x y - x y is not 0 if the compiler uses a fused multiply-add.
   double differ = 0;
   for (std::uint32_t id = 0; id < 150; ++id) {
     const auto i = a.find(id), j = b.find(id);

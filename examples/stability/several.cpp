@@ -62,8 +62,8 @@ Measures moduli(const std::vector<double>& moduli, double radius, double small) 
           {"momentum", momentum, std::is_same_v<Precision, Mixed> ? 1e-5 : 1e-11}};
 }
 
-/// Grains of glass of 2 mm and a ball of steel of 20 mm between walls of steel: the glass meets the
-/// wall in the shortest contact that can happen.
+/// Glass grains of 2 mm and a steel ball of 20 mm between steel walls: the impact of glass on the
+/// wall is the shortest possible contact.
 Measures far_apart(bool at_limit) {
   const HertzMindlin::Material glass{1e9, 0.25, e, 0}, steel{2e11, 0.3, e, 0};
   const double radius = 1e-3, fast = 5;

@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
-// Liquids as particles (SPH), small and in 2D: shaken at resonance, jets thinner than the kernel,
-// bodies far lighter and far heavier, fast walls, long rest, tension, stiff sound.
+// SPH liquids, small and in 2D: sloshing at resonance, jets thinner than the kernel, bodies far
+// lighter and far heavier than the liquid, fast walls, long rest, tension, high speed of sound.
 
 #include <algorithm>
 #include <cmath>
@@ -26,8 +26,8 @@ using namespace silt;
 constexpr double g = 9.81, rho = 1000;  // [m/s2], [kg/m3]
 constexpr double shallow = 0.25;        // [spacings] what may be behind a wall
 
-/// Of a liquid in a tank open at the top, from x to x + width: how far the deepest is behind a
-/// wall, over the spacing; what left the region; the fastest [m/s]; energies [J/m].
+/// For a liquid in a tank open at the top, from x to x + width: deepest penetration of a wall, over
+/// the spacing; particles that left the region; largest speed [m/s]; energies [J/m].
 struct Seen {
   double behind = 0, lost = 0, fastest = 0, energy = 0;
 };
@@ -39,7 +39,7 @@ Seen look(const Water& water, double x, double width) {
   water.for_each([&](std::uint32_t, const Vec3d& at, const Vec3d& v, double density, double) {
     s.behind = std::max({s.behind, x - at.x, at.x - x - width, -at.z});
     s.fastest = std::max(s.fastest, norm(v));
-    // Of compression, from the equation of state.
+    // Compression energy, from the equation of state.
     const double r = density / of.density,
                  stored =
                      of.stiffness() / of.density * ((std::pow(r, n - 1) - 1) / (n - 1) + 1 / r - 1);
@@ -51,7 +51,7 @@ Seen look(const Water& water, double x, double width) {
 }
 
 /// A tank is shaken at its first resonance, from rest, for some periods: the liquid hits the walls
-/// and breaks. Speeds are judged by a fall from the height at which particles are seen highest.
+/// and waves break. Speeds are compared with free fall from the highest position of any particle.
 template <class... Policies>
 Measures shaken(bool quick, double amplitude, const Policies&... policies) {
   const double L = 0.5, d = 0.1, s = quick ? 0.0125 : 0.01, k = std::numbers::pi / L;
@@ -80,9 +80,9 @@ Measures shaken(bool quick, double amplitude, const Policies&... policies) {
           {"speed over c", fastest / water.liquid().sound_speed, 0.2}};
 }
 
-/// A jet of some particles' width hits a plane at a tenth of c: the plane takes its momentum, and
-/// the liquid runs off along it. It comes from beyond the plane's reach: one that is let go within
-/// it has 5 % of its energy at once from the walls, as it is there without the pressure of that.
+/// A jet some particles wide hits a plane at a tenth of c: the plane takes its momentum, and the
+/// liquid spreads along it. It starts beyond the plane's reach: a jet released within it would at
+/// once gain 5 % of its energy from the wall, as it starts without the pressure of that position.
 template <class... Policies>
 Measures jet(int wide, const Policies&... policies) {
   const double s = 0.01, v = 1, length = 30 * s, away = 4 * s;
@@ -111,15 +111,15 @@ Measures jet(int wide, const Policies&... policies) {
                {"lost", static_cast<double>(water.left()), 0},
                {"energy gained", gained, 0.01},
                {"speed over the jet's", fastest / v, 2.5}};
-  // Of one or two particles the last ones bounce.
+  // In jets one or two particles wide the last ones bounce.
   if (wide > 2)
     all.push_back({"momentum not taken", std::abs(water.momentum().z) / momentum, 0.25});
   return all;
 }
 
-/// A block in a tank, half in the liquid at first: light ones float up, heavy ones sink to the
-/// floor. No more energy than at the start on the way, and at rest, afloat or on the floor, in the
-/// end.
+/// A block in a tank, initially half submerged: light ones float, heavy ones sink to the floor. On
+/// the way the energy never exceeds the initial one; at the end the block is at rest, floating or
+/// on the floor.
 Measures with_block(bool quick, double density, double alpha) {
   const double s = quick ? 0.02 : 0.01, L = 0.48, d = 0.2, a = 0.16, b = 0.08;
   Sph water{Liquid{.density = rho, .sound_speed = 10 * std::sqrt(2 * g * d)},
@@ -168,8 +168,8 @@ Measures with_block(bool quick, double density, double alpha) {
           {"speed over sqrt(g d)", norm(sim.velocity(0)) / std::sqrt(g * d), 0.1}};
 }
 
-/// A cylinder, in 2D a sphere of the mass of 1 m of it, is thrown through liquid that fills a box
-/// which repeats, under pressure: both together keep their momentum, and no energy is gained.
+/// A cylinder (in 2D a sphere with the mass of 1 m of it) moves through liquid under pressure that
+/// fills a periodic box: the total momentum is constant, and no energy is gained.
 Measures thrown(double density) {
   const double s = 0.01, L = 0.4, R = 0.04, c = 20, speed = c / 20;
   Sph water{Liquid{.density = rho, .sound_speed = c},
@@ -216,7 +216,7 @@ Measures thrown(double density) {
           {"speed over the first", fastest, 1.01}};
 }
 
-/// A wall of a tank goes in, or out, by a third of its length.
+/// A wall of a tank moves in, or out, by a third of its length.
 Measures piston(double speed, double way) {
   const double s = 0.01, L = 0.4, d = 0.1, c = 10 * std::sqrt(2 * g * d);
   Sph water{Liquid{.density = rho, .sound_speed = c},
@@ -245,8 +245,7 @@ Measures piston(double speed, double way) {
           {"speed over c", fastest / c, 3 * std::max(speed, 0.15)}};
 }
 
-/// 64 particles at rest on a floor: how they are after so many steps; `most`: error of the
-/// pressure.
+/// 64 particles at rest on a floor: their state after so many steps; `most`: error of the pressure.
 template <class... Policies>
 Measures at_rest(std::int64_t steps, double most, const Policies&... policies) {
   const double s = 0.01, H = 8 * s, c = 10 * std::sqrt(2 * g * H);
@@ -280,7 +279,7 @@ Measures at_rest(std::int64_t steps, double most, const Policies&... policies) {
           {"speed over sqrt(g H)", seen.fastest / std::sqrt(g * H), 0.01}};
 }
 
-/// Nearest neighbours, over the spacing: of any particle the least, and in the mean.
+/// Nearest neighbours, over the spacing: the smallest and the mean distance.
 template <class Water>
 std::pair<double, double> nearest_neighbours(const Water& water) {
   std::vector<Vec3d> x;
@@ -303,8 +302,8 @@ std::pair<double, double> nearest_neighbours(const Water& water) {
   return {least / s, sum / s / static_cast<double>(x.size())};
 }
 
-/// A liquid that fills a box which repeats, under a pressure of that part of rho_0 c^2, stirred a
-/// little: under tension particles that clump come together in pairs.
+/// A liquid that fills a periodic box, at a pressure of that fraction of rho_0 c^2, slightly
+/// perturbed: under tension, clumping particles approach each other in pairs.
 template <class... Policies>
 Measures under_pressure(double pressure, double smoothing, const Policies&... policies) {
   const double s = 0.01, c = 10, speed = 0.02;
@@ -330,8 +329,8 @@ Measures under_pressure(double pressure, double smoothing, const Policies&... po
           {"energy gained", std::max(water.kinetic_energy() / before - 1, 0.0), 0}};
 }
 
-/// A round drop that is pulled apart by a strain of 2 of the speed of sound over its radius, per
-/// hundred: a sheet that grows thin and tears. No pair of it comes together.
+/// A round drop stretched at the rate `strain` [1/s], 0.5 or 1 % of the speed of sound over its
+/// radius: a sheet that gets thin and tears. No pair of particles approaches.
 template <class... Policies>
 Measures pulled(double strain, const Policies&... policies) {
   const double s = 0.05, c = 20;
@@ -353,7 +352,7 @@ Measures pulled(double strain, const Policies&... policies) {
           {"momentum", norm(water.momentum()) / std::sqrt(2 * water.mass() * before), 1e-12}};
 }
 
-/// A column that collapses, with a speed of sound of so many times that of a fall of its height.
+/// A collapsing column; the speed of sound is a multiple of that of free fall from its height.
 Measures stiff(double sound) {
   const double s = 0.01, H = 0.2, fall = std::sqrt(2 * g * H);
   Sph water{
@@ -414,7 +413,7 @@ void sph(Table& table) {
               "no energy gained, at rest afloat or on the floor in the end");
   for (const double density : {10.0, 100.0, 500.0, 2000.0, 1e4, 1e5})
     if (!quick || (density != 100 && density != 1e4))
-      // What hits the floor presses liquid out from under it faster than the block.
+      // At impact the liquid under the block is pressed out faster than the block moves.
       table.row(text(density, " kg/m3"), density > 5000 ? Setting::Extreme : Setting::Tame,
                 [&] { return with_block(quick, density, 0.1); });
 

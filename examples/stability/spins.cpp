@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// Bodies of all shapes that spin fast, and what comes within their reach.
+// Fast rotating bodies of all shapes, and particles that enter their reach.
 
 #include <algorithm>
 #include <cmath>
@@ -16,22 +16,22 @@ using namespace silt;
 
 constexpr double size = 1e-3, density = 2500;  // [m] radius of the volume's sphere, [kg/m3]
 
-/// What is left of a spinning body and a bead that drifts into its reach, after two turns.
+/// State of a rotating body and a bead that drifts into its reach, after two turns.
 struct End {
   double energy = 0, momentum = 0;  // [-] changes
   Vec3d velocity;                   // [m/s] of the bead
   bool met = false;
 };
 
-/// `tips` [m/s] at the bounding sphere; `share` of the chosen step.
+/// `tips` [m/s] speed at the bounding sphere; `share` of the chosen step.
 End sweep(const Form& form, double tips, double modulus, int phase, double share) {
   Particles<Grains> bodies;
   bodies.add_form(form.shape), bodies.add_form(Sphere{});
   const double reach = reach_of(bodies.forms()[0], size), bead = 0.3 * size;
   const auto turned =
       rotation_about(normalised(Vec3d{0.3 + phase, 1.0, 0.7 * phase - 1.0}), 0.4 + 1.7 * phase);
-  // About an axis across the longest way, so that the tips sweep by; in a turn the bead drifts in
-  // by its radius.
+  // About an axis perpendicular to the longest dimension: the tips sweep by; per turn the bead
+  // drifts in by its radius.
   const Vec3d axis = rotate(turned, normalised(Vec3d{0.2, 1, 0.1})),
               away = rotate(turned, normalised(Vec3d{1, -0.2, 0.5}));
   const double turn = 2 * std::numbers::pi * reach / tips;  // [s]
@@ -63,7 +63,8 @@ End sweep(const Form& form, double tips, double modulus, int phase, double share
   return end;
 }
 
-/// Energy and momentum stay, and no bead is passed that a step an eighth as long hits.
+/// Energy and momentum are constant, and no bead is missed that is hit with a step an eighth as
+/// long.
 Measures swept(const Form& form, double tips, double modulus, int phases) {
   double energy = 0, momentum = 0, unseen = 0;
   for (int k = 0; k < phases; ++k) {

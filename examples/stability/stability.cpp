@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// The stability suite: stiff and extreme scenes, each with what stable means there, run to the edge
-// and over it. Every row must end stable, within its bound, or be stopped by a sentence of the
-// guard; none may go on and be wrong.
+// The stability suite: stiff and extreme scenes, each with its criterion of stability, run up to
+// the limit and beyond. Every row must end stable, within its bounds, or be stopped by a message of
+// the guard; none may continue with wrong results.
 
 #include <cstdio>
 #include <cstdlib>

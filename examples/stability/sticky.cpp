@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// Cohesion from a fraction of the weight to orders of magnitude over it.
+// Cohesion from a fraction of the weight to orders of magnitude above it.
 
 #include <cmath>
 
@@ -29,8 +29,8 @@ double work_for(double ratio) {
 }
 Contacts<Jkr> jkr(double work, double e) { return Contacts<Jkr>{{modulus, 0.3, work, e, 0.5}}; }
 
-/// A sphere hangs from a ceiling at the overlap without load; its weight lets it down a little.
-/// Less than its weight: it falls.
+/// A sphere hangs from a ceiling at the overlap without load; its weight lowers it slightly. With a
+/// pull-off force below its weight it falls.
 template <class Precision>
 Measures hangs(double ratio, double share) {
   const double m = mass_of(radius, density);
@@ -50,7 +50,7 @@ Measures hangs(double ratio, double share) {
   sim.run(2e-2);
   const double now = sim.position(0).z + radius, speed = std::abs(sim.velocity(0).z);
   if (ratio < 1) return {{"fall", std::abs(speed / (g * sim.time()) - 1), 0.1}};
-  // The stiffness at rest is above E* a: the weight lets it down by less than m g/(E* a).
+  // The stiffness there is above E* a: the weight lowers it by less than m g/(E* a).
   const double sag = m * g / (pair.E_eff * jkr_radius_at_rest(pair));
   Measures out{{"load of the ceiling", std::abs(-sim.wall(0).force.z / (m * g) - 1),
                 // Rounding of attraction and repulsion, which are `ratio` times the weight.
@@ -60,9 +60,9 @@ Measures hangs(double ratio, double share) {
   return out;
 }
 
-/// A sphere hits a plane at `over` times its sticking speed, e = 1 but for the adhesion. The force
-/// jumps where it attaches (to 8/9 of the pull-off force) and where it lets go (from 5/9): one step
-/// too late each, that is 13/9 F v dt of energy; and leapfrog's own error.
+/// A sphere hits a plane at `over` times its sticking speed, e = 1 except for adhesion. The force
+/// jumps at attachment (to 8/9 of the pull-off force) and at separation (from 5/9). Each may be one
+/// step late: an energy error of 13/9 F v dt; plus leapfrog's own error.
 template <class Precision>
 Measures sticks(double ratio, double over) {
   const double m = mass_of(radius, density), work = work_for(ratio);
@@ -91,7 +91,7 @@ Measures sticks(double ratio, double over) {
   return {{over > 1 ? "energy" : "let go", worst, over > 1 ? bound : 0}};
 }
 
-/// Sticky grains thrown together: they must come to rest as a lump, not heat up.
+/// Sticky grains collide in a crowd: they must come to rest as a lump, without gaining energy.
 template <class Law>
 Measures lump(const Contacts<Law>& contacts, double speed) {
   Particles<Sphere> spheres;
@@ -123,8 +123,7 @@ Measures lump(const Contacts<Law>& contacts, double speed) {
           {"energy gained meanwhile", std::max(energy() / early - 1, 0.0), 0.01}};
 }
 
-/// A sphere flies at a plane that attracts it before touch, e = 1: it comes back as fast as it
-/// came.
+/// A sphere hits a plane that attracts it before touch, e = 1: it returns at the same speed.
 Measures attracted(double ratio, double speed) {
   using Law = Cohesive<HertzMindlin, VanDerWaals>;
   const double m = mass_of(radius, density), closest = 1e-8;
@@ -187,7 +186,8 @@ void sticky(Table& table) {
   for (const double ratio : {1.0, 1e2, 1e4})
     for (const double speed : {0.01, 0.1, 1.0})
       table.row(text(ratio, " weights, ", speed, " m/s"),
-                // 1e4 times the weight makes 0.01 m/s faster than the step was chosen for.
+                // 1e4 times the weight accelerates it to 0.01 m/s more than the step was chosen
+                // for.
                 ratio < 1e3 || speed > 0.05 ? Setting::Tame : Setting::Extreme,
                 [&] { return attracted(ratio, speed); });
 }

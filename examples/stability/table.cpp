@@ -29,7 +29,7 @@ const char* word(Verdict v) {
   }
 }
 
-/// How near a measure is to its bound, 1 at it.
+/// Distance of a measure from its bound: 1 at the bound.
 double nearness(const Measure& m) {
   if (!std::isfinite(m.error)) return INFINITY;
   return m.bound > 0 ? m.error / m.bound : (m.error > 0 ? INFINITY : 0);
@@ -55,7 +55,7 @@ std::string rounded(const std::string& text) {
   return out;
 }
 
-/// The part of a sentence that says what broke, without the step and its time, cut to the width.
+/// The part of a message that names the cause, without the step and its time, cut to the width.
 std::string shortened(std::string sentence) {
   if (const auto head = sentence.find(" s: "); sentence.starts_with("step ") && head < 60)
     sentence = sentence.substr(head + 4);
@@ -65,9 +65,9 @@ std::string shortened(std::string sentence) {
   return sentence.substr(0, cut) + " ...";
 }
 
-/// Whether a limit of the guard stopped a scene: of overlap, rate, time step, travel, or places on
-/// a mesh; of a liquid's density. What is not among them - a number that is none, an argument that
-/// is refused - is a mistake in the scene or in silt, and no way for an extreme scene to end.
+/// Whether a limit of the guard stopped a scene: overlap, rate, time step, displacement, or
+/// positions on a mesh; density of a liquid. Any other error - NaN, a refused argument - is a
+/// mistake in the scene or in silt, and not an acceptable end of an extreme scene.
 bool is_a_limit(const std::string& sentence) {
   for (const char* words :
        {"guard.max_overlap", "are too stiff or too strongly damped", "is above the limit",

@@ -7,11 +7,11 @@
 
 #include "support/example.hpp"
 
-/// The table of the stability suite: scenes, each with what stable means there, and their rows,
-/// each one run to its end, or several of the same kind.
+/// The table of the stability suite: scenes, each with its criterion of stability, and their rows.
+/// A row is one complete run, or several of the same kind.
 namespace stability {
 
-/// What is measured against what it may be at most.
+/// A measured value and its largest allowed value.
 struct Measure {
   std::string name;
   double error;  // [-]; not a number: never within the bound
@@ -19,9 +19,9 @@ struct Measure {
 };
 using Measures = std::vector<Measure>;
 
-/// How a row may end. Tame ones must be stable, all at the time step that silt chooses among them
-/// but where a limit of the guard is exceeded by the scene itself; beyond the edge the guard may
-/// stop them, by one of its limits and by no other error.
+/// Allowed ends of a row. Tame rows must be stable, all at the time step that silt chooses except
+/// where the scene is meant to exceed a limit of the guard. Extreme rows may also be stopped by a
+/// limit of the guard, but by no other error.
 enum class Setting { Tame, Extreme };
 
 enum class Verdict {
@@ -44,11 +44,11 @@ class Table {
   explicit Table(bool is_quick) : quick(is_quick) {}
   const bool quick;
 
-  /// Begins a scene. `stable`: what its rows are judged by, said before they run.
+  /// Starts a scene. `stable`: the criterion for its rows, stated before they run.
   void scene(const std::string& name, const std::string& stable);
-  /// Runs a row: `run` returns the measures or throws what silt throws.
+  /// Runs a row: `run` returns the measures or throws silt's error.
   void row(const std::string& name, Setting setting, const std::function<Measures()>& run);
-  /// Runs a row that must be stopped, by a sentence with these words.
+  /// Runs a row that must be stopped, by a message with these words.
   void stops(const std::string& name, const std::string& words,
              const std::function<Measures()>& run);
 
@@ -66,7 +66,7 @@ class Table {
   std::vector<Row> rows_;
 };
 
-/// A point of the picture: what an impact does with a time step over the limit.
+/// A point of the picture: the result of an impact with a time step above the limit.
 struct StepPoint {
   std::string law;
   double share;  // [-] of the limit
@@ -76,7 +76,7 @@ struct StepPoint {
                  // lifted)
 };
 
-// The scenes, each file a few.
+// The scenes, a few per file.
 std::vector<StepPoint> time_steps(Table& table);
 void impacts(Table& table);
 void several(Table& table);

@@ -22,7 +22,7 @@ using Viscous = HertzDamped<KuwabaraKono>;
 
 constexpr double limit = 8;  // steps a contact at the limit of the guard
 
-/// A law, what its impact at 1 m/s of two spheres of 1 mm does in truth, and how to run it.
+/// A law, the exact result of its impact at 1 m/s of two spheres of 1 mm, and how to run it.
 struct Candidate {
   std::string name;
   double restitution, zeta;  // [-]; zeta: for the bound
@@ -63,7 +63,7 @@ std::vector<Candidate> candidates() {
 
 enum class Limits { Default, StepLifted, AllLifted };
 
-/// The worst error of the speed after the impact over that before, from `phases` starts.
+/// The worst error of the rebound speed over the impact speed, from `phases` starts.
 double worst_error(const Candidate& c, double share, int phases, Limits limits) {
   Hit hit{.partner = 1e-3, .time_step = share * c.contact / limit};
   hit.lifted_to = limits == Limits::StepLifted ? 1e3 : 0;
@@ -71,7 +71,8 @@ double worst_error(const Candidate& c, double share, int phases, Limits limits) 
   hit.duration = 4 * c.contact + 10 * hit.time_step;
   double worst = 0;
   for (int k = 0; k < phases; ++k) {
-    // Far enough away for the first step, and touching at another phase of a step each time.
+    // Far enough away for the first step, with first touch at a different phase of a step each
+    // time.
     hit.gap = (3 + (k + 0.5) / phases) * hit.time_step * hit.speed / hit.radius;
     worst = std::max(worst, std::abs(c.run(hit).restitution - c.restitution));
   }

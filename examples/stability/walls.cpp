@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// Walls at rest: a wedge, a mesh corner, thin meshes that are hit in long steps.
+// Walls at rest: a wedge, a mesh corner, thin meshes hit at large time steps.
 
 #include <array>
 #include <cmath>
@@ -41,12 +41,12 @@ Soup square(double side, int n) {
   return out;
 }
 
-/// A pit with n sides that slope by `angle` [rad] to its lowest point, the origin.
+/// A pit with n sides that slope by `angle` [rad] down to the origin.
 Soup pit(int n, double angle, double width) {
   Soup out;
   const auto corner = [&](int k) {
     const double phi = 2 * std::numbers::pi * (k + 0.5) / n;
-    // The sides' own slope is `angle`, that of the edges is less.
+    // The sides slope by `angle`, the edges by less.
     const double out_to = width / std::cos(std::numbers::pi / n);
     return Vec3d{out_to * std::cos(phi), out_to * std::sin(phi), width * std::tan(angle)};
   };
@@ -55,7 +55,7 @@ Soup pit(int n, double angle, double width) {
 }
 
 /// A sphere in a pit of n planes or of a mesh, pressed in by `pull` times its weight: each side
-/// bears the same, F = m a/(n cos(slope)).
+/// carries the same load, F = m a/(n cos(slope)).
 Measures pressed_in(const Surfaces& surfaces, int n, double slope, double pull, double modulus,
                     double friction) {
   const double m = mass_of(radius, density), a = pull * g;
@@ -70,7 +70,8 @@ Measures pressed_in(const Surfaces& surfaces, int n, double slope, double pull, 
   sim.add_wall(surfaces, contacts.material(0));
   sim.threads = 1;
   sim.run(0);
-  // It swings on springs of the stiffness 3/2 F/d along slopes; some tens of periods are enough.
+  // It oscillates along slopes on springs of the stiffness 3/2 F/d; some tens of periods are
+  // enough.
   const double omega = std::cos(slope) * std::sqrt(n * 1.5 * load / depth / m);
   sim.run(std::max(80 / omega / std::cos(slope), 200 * sim.step_length()));
   const Vec3d p = sim.position(0), v = sim.velocity(0);
@@ -90,8 +91,8 @@ Surfaces wedge(double angle) {
   return Surfaces(std::move(parts));
 }
 
-/// Spheres that fly at a mesh without thickness, at different phases of a step. None may be found
-/// behind it, and all come back as the law says.
+/// Spheres that hit a mesh without thickness, at different phases of a step. None may get behind
+/// it, and all must rebound by the law.
 template <class Law>
 Measures thin(const Contacts<Law>& contacts, double e, double speed, double step, bool lifted) {
   constexpr int count = 16;
@@ -156,8 +157,8 @@ void walls(Table& table) {
               "none behind the mesh, restitution within 20 %");
   const double m = mass_of(radius, density);
   for (const double speed : {1.0, 300.0}) {
-    // Springs that let a sphere in by 10 % of its radius; steps over 0.02 radii need a lifted
-    // limit.
+    // Springs that allow an overlap of 10 % of the radius; steps longer than 0.02 radii need a
+    // lifted limit.
     const double k = m * speed * speed / (0.01 * radius * radius);
     for (const double step : {0.01, 0.03, 0.1, 0.3, 1.0, 2.0, 5.0, 10.0})
       table.row(text("linear spring, ", speed, " m/s, ", step, " radii a step"),
@@ -166,7 +167,7 @@ void walls(Table& table) {
                               speed, step, true);
                 });
   }
-  // Springs so soft that the limit of the time step, which their contact time sets, is far away.
+  // Springs soft enough that the time step limit from their contact time is far away.
   for (const double step : {0.1, 1.0, 3.0, 10.0})
     table.row(text("very soft spring, 300 m/s, ", step, " radii a step"), Setting::Extreme, [&] {
       const double soft = 1e-6 * m * 9e4 / (radius * radius);

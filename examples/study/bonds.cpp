@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A clamped fibre of bonded spheres that swings: what its first natural frequency and its decay err
-// by against the closed form, over spheres a length, the time step and the bonds' damping.
+// A clamped, oscillating fibre of bonded spheres: error of its first natural frequency and of its
+// decay against the closed form, over the number of spheres, the time step and the bonds' damping.
 
 #include <algorithm>
 #include <cmath>
@@ -29,15 +29,15 @@ constexpr double modulus = 1e8, density = 1000;    // [Pa], [kg/m3]
 constexpr double area = pi * diameter * diameter / 4;
 constexpr double inertia = area * diameter * diameter / 16;  // [m4] of the cross section
 
-/// The first mode's displacement at x from the clamp, 1 at the tip.
+/// Displacement of the first mode at x from the clamp, 1 at the tip.
 constexpr double root = 1.8751041;
 const double share = (std::cosh(root) + std::cos(root)) / (std::sinh(root) + std::sin(root));
 double mode(double x) {
   const double z = root * x / length;
   return (std::cosh(z) - std::cos(z) - share * (std::sinh(z) - std::sin(z))) / 2;
 }
-/// Angular frequency [1/s] of the first mode by Euler and Bernoulli, less what shear makes it
-/// slower: half of its energy over that of bending, 0.02 % here (Rayleigh's quotient).
+/// Angular frequency [1/s] of the first mode by Euler-Bernoulli theory, reduced by the effect of
+/// shear: half of the shear energy over the bending energy, 0.02 % here (Rayleigh's quotient).
 double frequency() {
   const double per_length = root / length;
   double bending = 0, shear = 0;
@@ -57,9 +57,9 @@ double slope(double x) {
   return (mode(x + h) - mode(x - h)) / (2 * h);
 }
 
-/// The fibre of n spheres a length: their pitch is the length over n, their bonds are as thick as
-/// the fibre, and their mass is that of its parts. A fixed sphere is the clamp; that of the tip has
-/// half the mass. It passes through its rest with the velocities of the first mode.
+/// A fibre of n spheres: their spacing is the length over n, the bonds have the fibre's thickness,
+/// and each sphere has the mass of its segment. A fixed sphere is the clamp; the tip sphere has
+/// half the mass. The fibre passes through its rest position with the velocities of the first mode.
 auto fibre(int n, double damping) {
   const double pitch = length / n, radius = pitch / 2;
   const silt::HertzMindlin::Material like{
@@ -87,7 +87,7 @@ template <class Sim>
 double tip(const Sim& sim) {
   return sim.position(sim.find(static_cast<silt::ParticleId>(sim.rows() - 1))).z;
 }
-/// [s] the next time at which the tip passes through its rest.
+/// [s] next time at which the tip passes through its rest position.
 template <class Sim>
 double next_pass(Sim& sim, double about) {
   sim.run(0.9 * about);
@@ -105,8 +105,8 @@ struct Choice {
   double step = 1;  // [-] over the one that silt chooses
   double damping = 0.1;
 };
-/// [-] of the swing's energy that bonds take in a cycle, if the mode is damped as one bond is: by
-/// damping w sqrt(I/k_b) of critical, I and k_b those of a pair.
+/// [-] fraction of the oscillation energy that bonds dissipate per cycle, if the mode is damped
+/// like one bond: by damping w sqrt(I/k_b) of critical, with I and k_b of a pair.
 double closed_loss(const Choice& c) {
   const double pitch = length / c.n, m = density * area * pitch / 2;
   const double I = 0.4 * m * pitch * pitch / 4, k = modulus * inertia / pitch;
@@ -178,8 +178,8 @@ void run(const studies::Setting& setting, example::Summary& summary) {
     std::printf("Look at %s/error_over_spheres.png.\n", setting.out.c_str());
   studies::add_recommendation(summary, "spheres", spheres);
 
-  // Second order in 1/n; a step as long as is allowed and dashpots change the frequency of a slow
-  // swing by far less than the number of spheres; a step beyond is refused.
+  // Second order in 1/n. The longest allowed step and the dashpots change the frequency of a slow
+  // oscillation by far less than the number of spheres does; a longer step is refused.
   const auto error = [](const silt::Study& of, std::size_t k) {
     return std::abs(of.results().rows[k].error("error of frequency")->value);
   };

@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Three ways to a time step where grains break: that of the smallest fragment which there may be,
-// that of the smallest which is there (BreakStep::SmallestLiving), and grains that are softer the
-// smaller they are (Softened). Two scenes: a shower onto a plate, of which most breaks at once, and
-// a thin feed onto an inclined plate, whose product leaves before the next grain breaks.
+// Three choices of the time step with breakage: for the smallest possible fragment, for the
+// smallest existing one (BreakStep::SmallestLiving), and with smaller grains made softer
+// (Softened). Two scenes: a shower onto a plate, in which most grains break at once, and a dilute
+// feed onto an inclined plate, whose product leaves before the next grain breaks.
 
 #include <algorithm>
 #include <cmath>
@@ -70,8 +70,8 @@ auto shower(std::size_t count, const Way& way) {
   return sim;
 }
 
-/// Grains of 2 mm come down at 8 m/s, 500 a second, onto a plate at 45 degrees, which throws what
-/// becomes of them through outlets.
+/// Grains of 2 mm fall at 8 m/s, 500 per second, onto a plate at 45 degrees; their products leave
+/// through outlets.
 auto feed(const Way& way) {
   auto sim = scene({}, way);
   sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 1}}, salt(way));
@@ -88,7 +88,7 @@ auto feed(const Way& way) {
   return sim;
 }
 
-/// Shares of the product's mass below some sizes.
+/// Mass fractions of the product finer than some sizes.
 template <class Sim>
 std::vector<double> sizes_of(const Sim& sim) {
   silt::SizeTable product = silt::sizes_present(sim);
@@ -125,7 +125,7 @@ silt::Study study(const std::string& name, const Scene& scene, double duration, 
   for (const double mm : {0.6, 1.0, 1.5, 2.0})
     study.variant(silt::text("softened below ", mm, " mm"), with({.full_diameter = 1e-3 * mm}));
   study.variant("softened below 1 mm, living", with({.step = living, .full_diameter = 1e-3}));
-  // Other paths of all grains: how much a crowd of so few differs from another.
+  // Grain paths are chaotic: this is the difference of two runs with so few grains.
   study.control("half the step, 0.1 % faster", with({.share = 0.5, .faster = 1.001}));
   return study;
 }
@@ -157,7 +157,7 @@ void run(const studies::Setting& setting, example::Summary& summary) {
   studies::run_and_report(fed, setting, "feed");
   summarise("shower", falling, summary);
   summarise("feed", fed, summary);
-  // Catches a step that never grows again, and one that is never that of the fragments.
+  // Fails for a step that never increases again, and for one that never is that of the fragments.
   const auto& rows = fed.results().rows;
   const double share = rows[1].note("steps")->value / rows[0].note("steps")->value;
   summary.check_at_most("feed_steps_of_smallest_living_over_possible", share, 0.9);

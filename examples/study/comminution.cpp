@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Economies of a jet mill: what each makes the mill cost, alone and when only it is left out, and
-// what error it brings. After T. Brosh, H. Kalman, A. Levy, Particuology 12 (2014) 113, who report
-// a factor of 17 for all but the last, and another 18 for dust that is not simulated.
+// Economies of a jet mill: effect of each on the cost of the mill, alone and when only it is left
+// out, and its error. After T. Brosh, H. Kalman, A. Levy, Particuology 12 (2014) 113, who report a
+// factor of 17 for all but the last, and another 18 for dust that is not simulated.
 //
 // The slow end is timed over some steps of the running mill and scaled to a millisecond.
 
@@ -19,7 +19,7 @@ namespace {
 
 using jet_mill::Law;
 
-/// Hertz and Mindlin with a dashpot made for the mean mass of the two grains, as codes have had it.
+/// Hertz-Mindlin with a dashpot for the mean mass of the two grains, as some codes use.
 struct MeanMassHertz : silt::HertzMindlin {
   template <class Real>
   static SILT_INLINE silt::Traction<Real> force(const silt::Contact<Real>& c,
@@ -42,8 +42,8 @@ struct Row {
   std::optional<double> alone, without;          // [s] a millisecond: none but this, all but this
   std::optional<double> sizes, product, broken;  // [-] all against all but this
 };
-/// A threshold of dust: what feeds of several seeds became from an empty mill, all together, and
-/// the mill at the end, of the first.
+/// A dust limit: products of feeds of several seeds from an empty mill, summed, and the final state
+/// of the mill for the first seed.
 struct Dust {
   Dust(double diameter, const State& start) : below(diameter), running(start) {}
   double below;  // [m]
@@ -77,7 +77,7 @@ class Study {
     return way;
   }
 
-  /// The mill from empty to running, with every limit of dust, the finest first.
+  /// The mill from empty to running, with every dust limit, the finest first.
   void begin() {
     const double start = setting_.quick ? 2.5e-3 : 5e-3;  // [s]
     const State empty{{}, jet_mill::air(base_)};
@@ -102,11 +102,12 @@ class Study {
   }
 
   double seconds() const { return setting_.quick ? 0.3 : 4; }
-  /// None but what `way` and `search` have; begins with fine grains, if they are not dust.
+  /// No economies except those in `way` and `search`; starts with fine grains, if they are not
+  /// dust.
   double alone(const Way& way, Search search = Search::FullMesh) const {
     return direct_cost(running(way), base_, way, seconds(), search);
   }
-  /// All but what `way` lacks.
+  /// All economies except those missing in `way`.
   double fast(const Way& way) const {
     return way.followed ? cost_of<Law, true>(running(way), base_, way, seconds(), list())
                         : cost_of<Law, false>(running(way), base_, way, seconds(), list());
@@ -143,7 +144,7 @@ class Study {
     add("dust", alone(with(none, [&](Way& w) { w.dust = all_.dust; })), fine_cost_);
   }
 
-  /// The same start, run on with all economies, and with all but one.
+  /// The same start, continued with all economies, and with all but one.
   void errors() {
     say("errors: all economies");
     all_found_ = found_by(all_);
@@ -184,7 +185,7 @@ class Study {
   std::vector<Row> rows_;
 };
 
-/// The table, as words to `out`.
+/// The table, as text in `out`.
 void Study::print(std::FILE* out) const {
   const auto column = [out](int width, const std::optional<double>& value) {
     value ? std::fprintf(out, "%*.3g", width, *value) : std::fprintf(out, "%*s", width, "-");

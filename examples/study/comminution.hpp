@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The comminution study's mill: a state of the jet mill that all variants begin from, and what a
-// variant costs and finds from there.
+// The mill of the comminution study: a state of the jet mill from which all variants start, and the
+// cost and results of a variant from there.
 
 #include <algorithm>
 #include <array>
@@ -20,7 +20,7 @@ namespace comminution_study {
 
 using jet_mill::Scene;
 
-/// Which economies a run makes, beside its search and its law.
+/// Which economies a run uses, besides its search and its law.
 struct Way {
   bool followed = false;           // drag found anew in each step, instead of held
   double cell = 0, tolerance = 0;  // [m], [-] of FollowedDrag
@@ -36,7 +36,7 @@ struct Way {
   }
 };
 
-/// The mill as it has been running for some time.
+/// The mill after some running time.
 struct State {
   struct Grain {
     silt::Particles<silt::Sphere>::Particle particle;
@@ -46,7 +46,8 @@ struct State {
   silt::FlowSolver gas;
 };
 
-/// Of a run: all there is in the mill or came out of it by size, what is dust or left alone.
+/// Size distributions of a run: `all`, in the mill and out of it; `product`, only dust and what has
+/// left the mill.
 struct Outcome {
   silt::SizeTable all, product;
   double broken = 0;  // grains
@@ -54,7 +55,7 @@ struct Outcome {
   void add(const Outcome& other) {
     all.merge(other.all), product.merge(other.product), broken += other.broken;
   }
-  /// Largest difference of the shares finer than any size.
+  /// Largest difference of the fractions finer than any size.
   double off(const Outcome& other) const { return largest(all, other.all); }
   double product_off(const Outcome& other) const { return largest(product, other.product); }
 
@@ -69,7 +70,7 @@ struct Outcome {
   }
 };
 
-/// A mill that goes on from a state, with its own search, law and economies.
+/// A mill that continues from a state, with its own search, law and economies.
 template <class L, bool followed, class Search>
 auto mill_from(const State& state, const Scene& base, const Way& way, const Search& search) {
   const Scene s = way.scene(base);
@@ -100,7 +101,7 @@ auto mill_from(const State& state, const Scene& base, const Way& way, const Sear
   return sim;
 }
 
-/// What a run has found.
+/// Results of a run.
 template <class Sim>
 Outcome outcome_of(const Sim& sim) {
   Outcome out;
@@ -110,8 +111,8 @@ Outcome outcome_of(const Sim& sim) {
   return out;
 }
 
-/// Grains that lie in others or in walls, as fragments do that have just come, are left out: what
-/// sets them apart gently is not part of a state.
+/// Grains that overlap others or walls, as new fragments do, are left out: the mechanism that
+/// separates them gently is not part of a state.
 template <class Sim>
 State state_of(const Sim& sim, const Scene& s) {
   using Policy = std::remove_cvref_t<decltype(sim.breakage())>;
@@ -124,8 +125,8 @@ State state_of(const Sim& sim, const Scene& s) {
   });
   for (const std::size_t k : order) {
     const silt::Vec3d x = sim.position(k);
-    // An overlap of 2 % of the radius would throw a grain of true modulus at 12 m/s, this one at
-    // 0.3.
+    // An overlap of 2 % of the radius would eject a grain of real modulus at 12 m/s, this one at
+    // 0.3 m/s.
     const double r = sim.radius(k), most = 1e-3 * r;  // [m]
     bool free = jet_mill::room(s, x) > r - most && std::hypot(x.x, x.y) + r < s.radius + most;
     for (const auto& other : state.grains) {
@@ -144,7 +145,7 @@ State state_of(const Sim& sim, const Scene& s) {
   return state;
 }
 
-/// Runs on for `duration` [s]; leaves the state that it ends in, if asked for.
+/// Continues for `duration` [s]; writes the final state, if requested.
 template <class L, bool followed, class Search>
 Outcome found(const State& from, const Scene& base, const Way& way, double duration,
               const Search& search, State* end = nullptr) {
@@ -154,8 +155,8 @@ Outcome found(const State& from, const Scene& base, const Way& way, double durat
   return outcome_of(sim);
 }
 
-/// [s] of processor time for a millisecond in the mill, from a window of some `seconds` of
-/// computing: whole fluid steps, the first of which are not counted.
+/// [s] processor time per millisecond in the mill, from about `seconds` of computing: whole fluid
+/// steps, without the first ones.
 template <class L, bool followed, class Search>
 double cost_of(const State& from, const Scene& base, const Way& way, double seconds,
                const Search& search) {
@@ -163,15 +164,15 @@ double cost_of(const State& from, const Scene& base, const Way& way, double seco
   const auto clock = silt::processor_time();
   sim.run(1e-12);  // to know the step
   const double round = sim.step_length() * (way.steps > 0 ? 2.0 * way.steps : 1000);  // [s]
-  // The first fluid steps of a start are short, if silt chooses them.
+  // The first fluid steps after a start are short, if silt chooses them.
   sim.run(way.steps > 0 ? round : 4e-5);
   const double start = clock.now(), from_time = sim.time();
   while (clock.now() - start < seconds) sim.run(round);
   return 1e-3 * (clock.now() - start) / (sim.time() - from_time);
 }
 
-/// Searches that are made in each step: the full mesh with all 26 neighbours, one hashed grid, two,
-/// the half stencil with the proximity of edges. Drag that is followed: the full mesh alone.
+/// Searches done at each step: the full mesh with all 26 neighbours, one hashed grid, two, the half
+/// stencil with edge proximity. Followed drag: the full mesh only.
 enum class Search { FullMesh, HashedGrid, SubGrid, HalfStencil };
 double direct_cost(const State& from, const Scene& base, const Way& way, double seconds,
                    Search search);

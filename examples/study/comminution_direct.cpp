@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// What the mill costs with a search in each step.
+// Cost of the mill with a search at each step.
 
 #include <cstdint>
 #include <span>
@@ -12,7 +12,7 @@ namespace comminution_study {
 
 namespace {
 
-/// Linked cells over all of the space that the grains span, empty ones too: each grain looks into
+/// Linked cells over the whole bounding box of the grains, including empty ones: each grain checks
 /// its own cell and all 26 around it.
 class FullMesh {
  public:

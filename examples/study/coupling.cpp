@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// How large cells may be, or how small, for each mode of coupling: gas through a bed at rest,
-// spheres at random places, 55 % void, periodic in all directions. Reference is the kernel in cells
-// of a quarter of a diameter: the drag of the bed at the same flow, which is the pressure drop too,
-// that of each grain and the void fraction at the grains are compared with it.
+// Range of cell sizes for each coupling mode: gas flow through a bed at rest, spheres at random
+// positions, void fraction 0.55, periodic in all directions. The reference is the kernel in cells
+// of a quarter of a diameter: compared are the drag of the bed at the same flow, which is also its
+// pressure drop, the drag of each grain, and the void fraction at the grains.
 
 #include <algorithm>
 #include <cmath>
@@ -29,7 +29,7 @@ struct Bed {
   int height;  // [d]
 };
 
-/// Spheres that have collided, without loss, until nothing is left of the lattice they began on.
+/// Spheres after elastic collisions, until nothing is left of the initial lattice.
 Bed random_bed(int height) {
   const double side = across * d, top = height * d, V = std::numbers::pi / 6 * d * d * d;
   const auto count = static_cast<std::size_t>(std::lround(solids * side * side * top / V));
@@ -60,9 +60,9 @@ Bed random_bed(int height) {
   return bed;
 }
 
-/// Gas driven through the bed by a force that is adjusted until it has the speed wanted, in cells
-/// of h diameters; times 20 steps then. All sides are periodic: what the force is the bed's drag
-/// is.
+/// Gas driven through the bed by a force that is adjusted to the desired velocity, in cells of h
+/// diameters; then 20 steps are timed. All sides are periodic: the driving force equals the bed's
+/// drag.
 template <class Mode>
 silt::Study::Variant through(const Bed& bed, const Mode& mode, double h) {
   return [=](silt::StudyRun& run) {
@@ -77,7 +77,7 @@ silt::Study::Variant through(const Bed& bed, const Mode& mode, double h) {
     const std::vector<silt::Vec3d> rest(bed.position.size(), {0, 0, 0});
     std::vector<silt::Vec3d> force(bed.position.size());
     const silt::CoupledParticles grains{{bed.position, bed.radius}, rest, bed.volume, bed.mass};
-    // Drag halts the gas within 1 ms; between grains it is up to some four times faster.
+    // Drag stops the gas within 1 ms; between grains it is up to about four times faster.
     const double dt = std::min(1e-3, 0.5 * h * d / (4 * speed / (1 - solids)));
     const double area = across * across * d * d, box = area * bed.height * d;
     double gradient = 3000;  // [N/m3]
@@ -85,7 +85,7 @@ silt::Study::Variant through(const Bed& bed, const Mode& mode, double h) {
     const auto step = [&] {
       flow.force(2).fill(gradient);
       clipped = coupled.advance(grains, dt, force).clipped;
-      // Towards the wanted speed, within some steps.
+      // Towards the desired velocity, within some steps.
       gradient *= std::clamp(speed * area / flow.flow_rate(2, 0), 0.8, 1.25);
     };
     const int steps = std::max(25, static_cast<int>(std::lround(10e-3 / dt)));
@@ -125,7 +125,7 @@ const Named modes[] = {
 
 std::string name_of(const Named& mode, double h) { return silt::text(mode.name, ", ", h, " d"); }
 
-/// A line a mode: the error of each grain's drag over the size of cells.
+/// One line per mode: the error of each grain's drag over the cell size.
 void draw(const silt::Study& study, const std::string& out) {
   std::string table = "cells [diameters]", columns;
   for (const auto& mode : modes) {
@@ -141,7 +141,7 @@ void draw(const silt::Study& study, const std::string& out) {
       const auto row = std::find_if(rows.begin(), rows.end(),
                                     [&](const auto& r) { return r.name == name_of(mode, h); });
       complete = complete && row != rows.end() && !row->failed();
-      // The reference itself has no error and no place on a logarithmic axis.
+      // The reference itself has no error and cannot be shown on a logarithmic axis.
       if (complete)
         line += silt::text(",", std::max(1e-4, row->error("error of drag of each")->value));
     }

@@ -12,7 +12,7 @@
 #include <silt/search/verlet_list.hpp>
 #include <silt/simulation.hpp>
 
-/// The crowds of spheres that studies share: a bed that is poured, and a granular gas.
+/// Many-sphere scenes used by several studies: a poured bed and a granular gas.
 namespace studies {
 
 inline constexpr double mean_radius = 1e-3;  // [m] 0.9 to 1.1 mm
@@ -38,8 +38,8 @@ auto poured_bed(std::size_t count, Precision precision, const silt::VerletList<>
   return sim;
 }
 
-/// A tenth of a periodic box is filled with spheres that fly about at some 1 m/s, e = 0.9: each
-/// meets another every 2.4 ms. All speeds are multiplied by `faster`.
+/// A tenth of a periodic box is filled with spheres that move at about 1 m/s, e = 0.9; mean time
+/// between collisions 2.4 ms. All speeds are multiplied by `faster`.
 template <class Precision>
 auto gas(std::size_t count, Precision precision, double faster = 1,
          const silt::VerletList<>& list = {}) {
@@ -64,7 +64,7 @@ auto gas(std::size_t count, Precision precision, double faster = 1,
   return sim;
 }
 
-/// Velocities [m/s] in the order of the ids, whatever the order in memory.
+/// Velocities [m/s] in the order of the ids, independent of the order in memory.
 template <class Sim>
 std::vector<double> velocities(const Sim& sim) {
   std::vector<double> out(3 * sim.rows(), 0);

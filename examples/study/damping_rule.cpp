@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// What unequal partners make of their restitution if the dashpot of a pair follows from values of
-// each alone: four rules that codes have used (silt/study/unequal_damping.hpp), each as a law in a
-// real Simulation, against the pair's own dashpot, which silt uses. The closed forms of the rules
-// are drawn as lines; what the Simulation measured, as points.
+// Restitution of unequal partners if the dashpot of a pair is computed from values of each partner
+// alone: four rules used by codes (silt/study/unequal_damping.hpp), each as a law in a real
+// Simulation, against the pair's own dashpot, which silt uses. In the plots lines are the closed
+// forms of the rules, points the measurements in the Simulation.
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +31,7 @@ constexpr int steps_a_contact = 1000;                // [-]
 constexpr auto end = silt::DampingEnd::ZeroOverlap;  // as codes that use such rules
 using Hertz = silt::BasicHertzMindlin<end>;
 
-/// Hertz' law with a dashpot that is wrong by a factor.
+/// Hertz' law with the dashpot multiplied by a wrong factor.
 struct WrongDashpot {
   struct Material {
     Hertz::Material of_hertz;
@@ -79,7 +79,7 @@ const Rule rules[] = {{"pair's own", std::nullopt},
 constexpr Hertz::Material hertz{
     .youngs_modulus = 1e8, .poisson_ratio = 0.25, .restitution = wanted};
 
-/// Of an elastic impact of spheres of 1 mm and `ratio` mm [s].
+/// Contact time [s] of an elastic impact of spheres of 1 mm and `ratio` mm.
 double contact_time(double ratio) {
   const auto mass = [](double r) { return density * silt::Sphere::volume(r); };
   const double large = ratio * small;
@@ -88,7 +88,7 @@ double contact_time(double ratio) {
                              silt::effective_mass(mass(small), mass(large)), speed);
 }
 
-/// A sphere of 1 mm flies at one of `ratio` mm, which rests.
+/// A sphere of 1 mm hits one of `ratio` mm at rest.
 auto impact(const Rule& rule, double ratio) {
   const double large = ratio * small, contact = contact_time(ratio);
   silt::Particles<silt::Sphere> two;
@@ -104,7 +104,7 @@ auto impact(const Rule& rule, double ratio) {
   return sim;
 }
 
-/// Long enough for those that never part to come to rest: they creep back to no overlap.
+/// Long enough for pairs that never separate to come to rest: they creep back to zero overlap.
 double duration(double ratio) { return 30 * contact_time(ratio); }  // [s]
 
 double restitution(const Rule& rule, double ratio) {
@@ -133,7 +133,7 @@ silt::Study study(const std::vector<double>& sizes) {
   return study;
 }
 
-/// Lines of the closed forms and points of the Simulation; returns the largest difference.
+/// Closed forms as lines and the Simulation as points; returns the largest difference.
 double compare(const std::string& folder, const std::vector<double>& sizes) {
   const std::string path = folder + "/restitution.csv";
   std::vector<std::string> columns{"size ratio [-]"};
@@ -170,8 +170,8 @@ void run(const studies::Setting& setting, example::Summary& summary) {
   studies::add_recommendation(summary, "rule", cost);
   const double off = compare(setting.out, sizes);
   summary.result("largest_difference_to_closed_forms", off);
-  // e of nominal 0.5, computed by another program of our own, which integrates the impacts. Catches
-  // closed forms and a Simulation that are wrong alike.
+  // e for a nominal 0.5, computed by another program written for this purpose, which integrates the
+  // impacts. Fails if closed forms and Simulation have the same error.
   const struct {
     std::size_t rule;
     double ratio, e;
@@ -179,9 +179,9 @@ void run(const studies::Setting& setting, example::Summary& summary) {
   double off_table = 0;
   for (const auto& p : computed)
     off_table = std::max(off_table, std::abs(restitution(rules[p.rule], p.ratio) - p.e));
-  // 1000 steps a contact: the dashpot's force begins somewhere within a step, 2 pi zeta'/1000 of e
-  // at most (tests/physics/impact.cpp), with zeta' = 0.5 the strongest that parts with e > 0.16;
-  // the table has three digits.
+  // 1000 steps per contact: the dashpot's force starts at some instant within a step, with an error
+  // of at most 2 pi zeta'/1000 of e (tests/physics/impact.cpp), with zeta' = 0.5 the strongest that
+  // separates with e > 0.16; the table has three digits.
   const double tolerance = 2 * M_PI * 0.5 / steps_a_contact + 0.0005;
   summary.check_at_most("off_closed_forms", off, tolerance);
   summary.check_at_most("off_computed_elsewhere", off_table, tolerance);

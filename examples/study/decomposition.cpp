@@ -1,10 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// The hopper of examples/hopper on 2 to 48 ranks, as its paper has it: how even the work is with
-// slabs that stay, slabs that move and boxes, and what must be sent. One process computes the
-// discharge; at each search every decomposition decides as ranks would, so that work, ghosts and
-// migration are counted, not estimated. A model with measured costs turns the counts into
-// speed-ups: these are predictions. What is written: decomposition_report.cpp.
+// The hopper of examples/hopper on 2 to 48 ranks, as in its paper: load balance with fixed slabs,
+// moving slabs and boxes, and the communication volume. One process computes the discharge; at each
+// search every decomposition decides as on ranks: work, ghosts and migration are counted, not
+// estimated. A model with measured costs converts the counts to speed-ups: these are predictions.
+// Output: decomposition_report.cpp.
 
 #include <algorithm>
 #include <cmath>
@@ -38,7 +38,7 @@ std::vector<Division> divisions(const hopper::Scene& scene, const std::vector<in
   return some;
 }
 
-/// [s] to put the row of a ghost into a message and to take it out: the best of 20 rounds.
+/// [s] to pack and unpack the row of a ghost: the best of 20 rounds.
 template <class Row>
 double cost_of_ghost(std::size_t particles, const std::function<double()>& clock) {
   std::vector<Row> rows(particles);
@@ -59,11 +59,11 @@ double cost_of_ghost(std::size_t particles, const std::function<double()>& clock
   return best;
 }
 
-/// Observes a run at every fourth step: the time of steps between two searches of its list and,
-/// at each search, what every decomposition does.
+/// Observes a run at every fourth step: the time of steps between two searches and, at each search,
+/// the result of every decomposition.
 class Looker {
  public:
-  /// `divides`: false times the steps alone.
+  /// `divides`: false times the steps only.
   Looker(double opening, std::int64_t searched, bool divides, std::function<double()> clock,
          Recorded& recorded)
       : opening_(opening),
@@ -88,7 +88,7 @@ class Looker {
   double mean_reach() const { return reach_ / static_cast<double>(recorded_.times.size()); }  // [m]
 
  private:
-  /// Steps since the search before, with the pairs that it had found.
+  /// Steps since the previous search, with the pairs that it found.
   template <class Sim>
   void time(const Sim& sim, std::int64_t searched) {
     const auto steps = static_cast<double>(sim.step() - step_);

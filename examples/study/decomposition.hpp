@@ -20,12 +20,12 @@
 #include <silt/parallel/decomposition/slabs.hpp>
 #include <silt/parallel/thread_comm.hpp>
 
-/// What the ranks of a run would have to do, counted in a run of one process: at each search of its
-/// list a decomposition gets the places of all particles and the work that each makes, as the
-/// ranks' own search would give them (engine/ranks/rank_change.hpp).
+/// Work of the ranks of a run, counted in a run of one process: at each neighbour search a
+/// decomposition gets the positions of all particles and the work of each, as from the ranks' own
+/// search (engine/ranks/rank_change.hpp).
 namespace decomposition_study {
 
-/// The particles at a search, and the pairs that it has found.
+/// The particles at a search, and the pairs that it found.
 struct Search {
   double time = 0;                  // [s] after opening
   std::int64_t steps = 0;           // [-] since the search before
@@ -64,7 +64,7 @@ struct Search {
   }
 };
 
-/// What a rank has between two searches.
+/// Work of a rank between two searches.
 struct RankCount {
   double particles = 0, contacts = 0, work = 0;
   double pairs = 0;         // computed here: its own, and each with a ghost, on both ranks
@@ -74,7 +74,7 @@ struct RankCount {
   double messages = 0;      // sent at each step
 };
 
-/// One decomposition on one number of ranks, with what it remembers from search to search.
+/// One decomposition on one number of ranks, with its memory from search to search.
 class Division {
   using Parts = std::variant<silt::StaticSlabs, silt::MovingSlabs, silt::Bisection>;
 
@@ -101,7 +101,7 @@ class Division {
                   most_ranks);
   }
 
-  /// Decides as the ranks would at this search, and counts what they have then.
+  /// Decides as the ranks would at this search, and counts their work afterwards.
   void look(const Search& s) {
     const std::size_t n = s.place.size();
     const double mean_points = static_cast<double>(n) / ranks;
@@ -141,8 +141,8 @@ class Division {
     if (parts_anew && !stays_) worst_start = std::max(worst_start, imbalance);
     count(s, after);
   }
-  /// [-] in time average: between two searches from what it was after the first to what it had
-  /// become before the second.
+  /// [-] time average: between two searches the mean of the value after the first and the value
+  /// before the second.
   double mean_imbalance() const { return steps_ > 0 ? average_ / steps_ : 1; }
 
  private:
@@ -236,14 +236,14 @@ class Division {
   double average_ = 0, steps_ = 0;
 };
 
-/// The time of a step in the run of one process, and what the step had to do.
+/// The time of a step in the run of one process, and the work in it.
 struct Timed {
   double seconds;  // [s] processor time
   double pairs, owners;
   double steps;  // from one search to the next
 };
 
-/// What a run has counted, search by search.
+/// Counts of a run, search by search.
 struct Recorded {
   std::vector<double> times;  // [s] after opening
   std::vector<Timed> timed;

@@ -14,14 +14,14 @@
 
 namespace decomposition_study {
 
-/// What a step costs on one rank:
+/// Time of a step on one rank:
 ///
 ///   t = c_pair pairs + c_owner owners + c_ghost ghosts + c_search (owners + ghosts)/steps
 ///       + latency (messages + ceil(log2 ranks)) + bytes/bandwidth
 ///
-/// The slowest rank makes the time of all. `steps`: from one search to the next. The logarithm is
-/// the agreement of all ranks that ends each step. Messages are taken to be waited for, while silt
-/// computes its inner pairs meanwhile.
+/// The slowest rank determines the time of all. `steps`: between two searches. The logarithm is the
+/// collective agreement at the end of each step. The model adds the time of messages in full,
+/// although silt computes its inner pairs meanwhile.
 struct Costs {
   double pair = 0, owner = 0, search = 0, ghost = 0;  // [s]
   double scatter = 0;  // [-] rms of what the fit leaves of a step's time, over the mean
@@ -36,8 +36,8 @@ struct Network {
   double latency, bandwidth;  // [s], [bytes/s]; 0 and infinite: none
 };
 
-/// The three costs of one process by least squares. Steps that took longer than twice the scatter
-/// are left out at a second fit: other programs took the caches then.
+/// The three costs of one process by least squares. A second fit leaves out steps that deviate by
+/// more than twice the scatter: other programs used the caches then.
 inline Costs fit(const std::vector<Timed>& all) {
   const auto solve = [](const std::vector<Timed>& some) {
     Eigen::MatrixXd x(static_cast<Eigen::Index>(some.size()), 3);
@@ -61,7 +61,7 @@ inline Costs fit(const std::vector<Timed>& all) {
   return solve(calm.size() > 3 ? calm : all);
 }
 
-/// Of an agreement of all ranks.
+/// Rounds of messages of a collective agreement.
 inline double rounds_of(double ranks) { return std::ceil(std::log2(ranks)); }
 
 /// [s] of a step of the slowest rank.
@@ -76,17 +76,17 @@ inline double step_time(const Costs& costs, const Network& net, const std::vecto
   return slowest;
 }
 
-/// A rank in the middle of many in a settled bed, a cube of `owners` particles: 26 neighbours, and
-/// a layer of ghosts all around that is `layer` particles thick.
+/// An inner rank in a settled bed, a cube of `owners` particles: 26 neighbours, and a ghost layer
+/// `layer` particles thick on all sides.
 struct WeakRank {
   double owners, pairs_of_one, layer, imbalance, steps;
 
   double side() const { return std::cbrt(owners); }
   double ghosts() const { return std::pow(side() + 2 * layer, 3) - owners; }
-  /// [s] of a step; alone it has neither ghosts nor messages.
+  /// [s] of a step; a single rank has neither ghosts nor messages.
   double step_time(const Costs& costs, const Network& net, double ranks, double bytes) const {
     if (ranks == 1) return costs.of(pairs_of_one * owners, owners, 0, steps);
-    // Through a plane go, for each particle in it, half of its own pairs: their mean |cos|. Each is
+    // For each particle in a plane, half of its own pairs cross it: their mean |cos|. Each is
     // computed on both sides.
     const double across = 6 * side() * side() * pairs_of_one / 2;
     return imbalance * costs.of(pairs_of_one * owners + across / 2, owners, ghosts(), steps) +

@@ -20,7 +20,7 @@ namespace {
 
 constexpr int shown = 4;  // ranks, as in the paper's figures
 
-/// Of one decomposition on one number of ranks, in time average.
+/// One decomposition on one number of ranks, in time average.
 struct Average {
   double imbalance = 1, particles = 0, work = 0;                 // largest over mean
   double least_ghosts = 0, ghosts = 0, messages = 0, bytes = 0;  // of the rank with most
@@ -55,7 +55,7 @@ Average average(const Recorded& recorded, std::size_t division) {
   return mean;
 }
 
-/// One process over ranks, by the model; partitions at the cost that Rebalance supposes.
+/// Speed-up over one process by the model; partitioning at the cost that Rebalance assumes.
 double speed_up(const Recorded& recorded, const Costs& costs, const Network& net,
                 std::size_t division) {
   double alone = 0, together = 0, steps = 0, work = 0;
@@ -100,7 +100,7 @@ void write_times(const Recorded& recorded, const Costs& costs, const std::string
   }
 }
 
-/// As the paper's pictures: what four ranks have at its moments.
+/// As in the paper's pictures: the particles of four ranks at its times.
 void print_moments(const Recorded& recorded) {
   for (const double moment : recorded.moments) {
     const auto at = static_cast<std::size_t>(
@@ -127,7 +127,7 @@ void report(const studies::Setting& setting, const Recorded& recorded, example::
   const std::string ranks_folder = setting.out + "/ranks";
   silt::make_folder(ranks_folder);
   write_over_time(recorded, ranks_folder);
-  // The discharge alone has hardly more or fewer pairs at one time than at another.
+  // During the discharge alone the number of pairs is nearly constant.
   std::vector<Timed> timed = recorded.filling;
   timed.insert(timed.end(), recorded.timed.begin(), recorded.timed.end());
   Costs costs = fit(timed);
@@ -210,7 +210,8 @@ void report(const studies::Setting& setting, const Recorded& recorded, example::
     summary.result("worst_imbalance_after_a_decomposition_" + name, on.worst_start);
     summary.result("worst_imbalance_at_the_end_of_one_" + name, on.worst_end);
     if (on.name == "bisection" && on.ranks >= 4 && on.ranks <= 16) {
-      // A rank of the quick run has some hundred particles, too few for the goals of the full one.
+      // A rank of the quick run has a few hundred particles, too few for the limits of the full
+      // run.
       if (setting.quick) {
         const auto slabs = std::find_if(
             recorded.divisions.begin(), recorded.divisions.end(),
@@ -230,7 +231,7 @@ void report(const studies::Setting& setting, const Recorded& recorded, example::
   summary.check_at_most("ghosts_that_are_needed_and_not_sent", missing, 0);
   summary.check_at_most("particles_without_a_rank", lost, 0);
 
-  // Weak scaling, on paper: as uneven as Rebalance lets the work become.
+  // Weak scaling, predicted: with the imbalance that Rebalance allows.
   const Timed& last = recorded.timed.back();
   const WeakRank rank{1e6, last.pairs / last.owners, recorded.layer, silt::Rebalance{}.above,
                       last.steps};

@@ -6,7 +6,7 @@
 
 namespace decomposition_study {
 
-/// Writes tables and pictures of what a run has counted, and what the model makes of it.
+/// Writes tables and pictures of the counts of a run, and the model's predictions.
 void report(const studies::Setting& setting, const Recorded& recorded, example::Summary& summary);
 
 }  // namespace decomposition_study

@@ -1,10 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// What a coupled run may save: a force held over a fluid step, or drag that follows each particle's
-// velocity; values of the fluid per particle, or on cells; a drag coefficient that is kept while
-// little changes; and fluid steps of 1 to 100 particle steps. A bed through which gas bubbles, and
-// a dilute crowd that collides in a gas, periodic, which its drag cools. Reference: followed drag,
-// found anew in each step, a fluid step in each particle step.
+// Possible savings in a coupled run: a force held over a fluid step, or drag that follows each
+// particle's velocity; fluid values per particle, or on cells; a drag coefficient that is kept
+// while changes are small; and fluid steps of 1 to 100 particle steps. Two scenes: a bubbling bed,
+// and a dilute periodic system of colliding particles cooled by the drag of the gas. Reference:
+// followed drag, recomputed at each step, one fluid step per particle step.
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +30,7 @@ struct Way {
   int steps = 20;  // particle steps a fluid step
 };
 
-/// `visit` gets a coupling that works that way.
+/// Calls `visit` with a coupling of that kind.
 template <class Visit>
 auto coupled(const Way& way, silt::FlowSolver flow, const Visit& visit) {
   const auto with = [&](auto fluid) {
@@ -97,8 +97,8 @@ silt::Study::Variant bed(const Way& way, double duration) {
   };
 }
 
-/// 6.5 % of grains of 0.2 mm in a gas at rest but for them; their granular temperature falls by
-/// drag and collisions.
+/// 6.5 % of grains of 0.2 mm in an otherwise quiescent gas; drag and collisions reduce their
+/// granular temperature.
 silt::Study::Variant cooling(const Way& way, double duration) {
   return [=](silt::StudyRun& run) {
     const double small = 0.2e-3, W = 4e-3;

@@ -1,10 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Integrators on impacts: error against cost over the time step, elastic and damped, a sphere of
-// 4 mm on a flat wall of its own material at 7 m/s. The order that an integrator has while forces
-// are smooth is not what an impact shows: Hertz' force has no third derivative at first touch, and
-// the dashpot's begins like d^(1/4). Errors are the worst of many places of first touch within a
-// step; one alone says little (study time-step).
+// Integrators on impacts: error against cost over the time step, elastic and damped, a sphere of 4
+// mm on a flat wall of the same material at 7 m/s. Impacts do not show an integrator's order for
+// smooth forces: Hertz' force has no third derivative at first touch, and the dashpot's force
+// starts like d^(1/4). Errors are the worst over many instants of first touch within a step; a
+// single one is not representative (study time-step).
 
 #include <algorithm>
 #include <cmath>
@@ -31,10 +31,10 @@ constexpr double speed = 7;            // [m/s]
 constexpr double damped = 0.5;         // [-] restitution
 constexpr int phases = 32;             // [-]
 
-/// Steps of an elastic contact.
+/// Steps per elastic contact.
 double step_of(double steps) { return flats::contact_time(shear_modulus, speed) / steps; }
 
-/// Worst relative error of the rebound's speed.
+/// Worst relative error of the rebound speed.
 template <class Integrator>
 double rebound_error(double steps, double restitution) {
   double worst = 0;
@@ -43,7 +43,7 @@ double rebound_error(double steps, double restitution) {
                                        speed * step_of(steps) * phase / phases);
     sim.time_step = step_of(steps);
     sim.guard.max_time_step = sim.guard.max_rate = 1e9;  // Gear's limit is 20 damped steps
-    // Until it has left, and before it meets the other wall: damped contacts are up to a tenth
+    // Until it has separated, and before it hits the other wall: damped contacts last up to a tenth
     // longer, and the way back up is slower.
     sim.run(0.6 * flats::free_path / speed + 1.2 * flats::contact_time(shear_modulus, speed) +
             step_of(steps));
@@ -134,9 +134,9 @@ void run(const studies::Setting& setting, example::Summary& summary) {
                 with_dashpot);
     summary.result("order_elastic_" + c.name, elastic);
     summary.result("order_damped_" + c.name, with_dashpot);
-    // First touch lies anywhere in a step: what is lost there is some part of a step's impulse, of
-    // the spring dt (v dt)^(3/2), of the dashpot dt (v dt)^(1/4). Worst of 32 places, over a factor
-    // of 8 to 16 in steps.
+    // First touch can lie anywhere in a step: the resulting error is a fraction of a step's
+    // impulse, for the spring dt (v dt)^(3/2), for the dashpot dt (v dt)^(1/4). Worst of 32
+    // instants, over a factor of 8 to 16 in steps.
     summary.check_at_most("order_elastic_off_5/2_" + c.name, std::abs(elastic - 2.5), 0.25);
     summary.check_at_most("order_damped_off_5/4_" + c.name, std::abs(with_dashpot - 1.25), 0.25);
   }

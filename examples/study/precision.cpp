@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// What silt::Mixed (pairs of particles in float) gains and what it costs in accuracy, against the
-// same scene in double. A crowd forgets its last digits soon: to tell how much of a difference is
-// that, a third variant in double starts with a difference of 1e-9.
+// Gain and loss of accuracy with silt::Mixed (pairs of particles in float), against the same scene
+// in double. Many-particle systems are chaotic: to separate this effect, a third variant in double
+// starts with a difference of 1e-9.
 
 #include <cmath>
 #include <cstdio>

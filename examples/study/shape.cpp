@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// An ellipsoid, a cylinder and a cube, each as spheres, as a super-ellipsoid and as a polyhedron:
-// what table 1 of the review of CFD-DEM of non-spherical particles by X. Ma et al. says in the
-// words high, low, fast and medium, in numbers.
+// An ellipsoid, a cylinder and a cube, each as multi-sphere, superellipsoid and polyhedron: table 1
+// of the review of CFD-DEM of non-spherical particles by X. Ma et al., with numbers instead of its
+// words high, low, fast and medium.
 
 #include "study/shape_study.hpp"
 

@@ -51,8 +51,8 @@ auto simulation_of(const Model& model, const World& world, const std::vector<Gra
   silt::Simulation sim{particles_of<S>(model, grains), contacts_of<S>(model, world), world.period};
   sim.gravity = world.gravity;
   sim.threads = 1;
-  // The guard's limits are in shares of the smallest sphere's radius, and those that fill edges are
-  // a hundredth of the body.
+  // The guard's limits are relative to the smallest sphere's radius, and spheres that fill edges
+  // are a hundredth of the body.
   if constexpr (std::is_same_v<S, silt::MultiSphere>)
     sim.guard.max_overlap = 10, sim.guard.max_travel = 10;
   return sim;

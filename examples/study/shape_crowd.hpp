@@ -15,7 +15,7 @@
 
 namespace studies::shape {
 
-/// Of every scene that is not an impact.
+/// Common settings of all scenes except impacts.
 inline constexpr silt::HertzMindlin::Material stone{
     .youngs_modulus = 5e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.5};
 inline constexpr double density = 2500;  // [kg/m3]
@@ -26,14 +26,14 @@ struct Grain {
   Vec3d velocity{0, 0, 0};            // [m/s]
 };
 
-/// Where grains are put.
+/// Initial positions of grains.
 struct World {
   silt::PeriodicBox period;
   silt::HertzMindlin::Material material = stone;
   Vec3d gravity{0, 0, -9.81};  // [m/s2]
 };
 
-/// A simulation of grains of one model, whichever it is: scenes are written once.
+/// A simulation of grains of one model, hidden behind an interface: scenes are written once.
 class Crowd {
  public:
   virtual ~Crowd() = default;
@@ -52,7 +52,7 @@ class Crowd {
   virtual double step_length() const = 0;                   // [s]
   virtual double peak_overlap() const = 0;                  // [-] of the guard's radius
   virtual Vec3d force_on_wall(std::size_t k) const = 0;     // [N]
-  /// Grains that touch a grain, on average, however many parts of two touch.
+  /// Mean number of grains in contact with a grain; several touching parts of a pair count once.
   virtual double partners() const = 0;
   virtual void write(const std::string& path) const = 0;  // surfaces, for pictures
 };
@@ -63,7 +63,7 @@ std::unique_ptr<Crowd> make_crowd(const Model& model, const World& world,
 /// [m] between grains at the start: more than the largest diameter of any shape.
 inline constexpr double pitch = 3.3 * radius;
 
-/// Up to `count` grains on a lattice of cells[0] by cells[1] by cells[2] places from `corner` on,
+/// Up to `count` grains on a lattice of cells[0] by cells[1] by cells[2] sites from `corner` on,
 /// layer by layer, in random orientations, falling at random speeds.
 std::vector<Grain> lattice(const Vec3d& corner, const std::array<int, 3>& cells, std::size_t count,
                            std::uint64_t seed);
@@ -80,7 +80,7 @@ struct Bed {
 };
 Bed settled_bed(const Model& model, std::size_t count, std::uint64_t seed);
 
-/// What is left of a column that leaned on a wall after the wall opposite was taken away.
+/// The remainder of a column next to a wall after the opposite wall was removed.
 struct Heap {
   double angle;      // [degrees] of the wedge on the wall that has its centre of mass there
   double reach = 0;  // [m] of the farthest grain from the wall

@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Angles of repose: of what is left of a column whose wall is taken away, and in a rotating drum.
+// Angles of repose: after removal of the wall of a column, and in a rotating drum.
 
 #include <cmath>
 #include <cstdio>
@@ -28,7 +28,7 @@ constexpr double drum_radius = 0.03, drum_length = 3 * pitch;  // [m]
 constexpr double rpm = 40, drum_filling = 0.12;                // [1/min], [s] a batch
 constexpr double turn = 60 / rpm;                              // [s]
 
-/// Free places of the drum's lattice.
+/// Free sites of the drum's lattice.
 std::vector<Grain> drum_batch(std::size_t count, std::uint64_t seed, double lowest) {
   const int cells = static_cast<int>(2 * drum_radius / pitch);
   const double half = 0.5 * cells * pitch;
@@ -134,7 +134,7 @@ Angles measure(const Model& model, std::size_t heaps, std::size_t drums, const S
   return a;
 }
 
-/// Mean and half of the range; not numbers if nothing was measured.
+/// Mean and half of the range; NaN if nothing was measured.
 std::pair<double, double> of_any(const Spread& s) {
   if (s.values.empty()) return {std::nan(""), std::nan("")};
   return {s.mean(), s.half_range()};
@@ -169,8 +169,8 @@ Cubes repose(const Cases& cases, const Setting& setting, example::Summary& summa
     rows.report(silt::text("Angles of repose: ", c.target.name, "s"),
                 silt::text(setting.out, "/angles_", c.target.name, ".csv"));
   }
-  // A heap on a wall is no steeper than its own faces would slide, atan 0.5 = 27 degrees, plus
-  // what grains interlock; a drum's surface is steeper than a heap that fell.
+  // A heap next to a wall is no steeper than the sliding angle of its faces, atan 0.5 = 27 degrees,
+  // plus the effect of interlocking; a drum's surface is steeper than a collapsed heap.
   summary.check_at_least("cubes: angle of the heap", cubes.heap.mean(), 10);
   summary.check_at_least("cubes: drum over heap", cubes.drum.mean() / cubes.heap.mean(), 1);
   return cubes;
@@ -178,7 +178,7 @@ Cubes repose(const Cases& cases, const Setting& setting, example::Summary& summa
 
 namespace {
 
-/// Where a curve through points (x, y) first reaches `wanted`; not a number if nowhere.
+/// First position at which a curve through points (x, y) reaches `wanted`; NaN if nowhere.
 double first_reach(const std::vector<double>& x, const std::vector<double>& y, double wanted) {
   for (std::size_t k = 1; k < x.size(); ++k)
     if (y[k - 1] < wanted && y[k] >= wanted)
@@ -221,7 +221,7 @@ void roll(const Cases& cases, const Cubes& cubes, const Setting& setting,
   summary.result("rolling_friction_by_heap", words(by_heap));
   summary.result("rolling_friction_by_drum", words(by_drum));
 
-  // What else a bed of such spheres has in common with one of cubes.
+  // Other quantities in which a bed of such spheres matches one of cubes.
   Rows rows({"solid fraction [-]", "partners [-]", "cost a grain and s [ms]"});
   const std::size_t count = bed_size(setting);
   const auto add = [&](const std::string& name, const Model& m) {

@@ -1,14 +1,14 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// One particle strikes a plane, without friction and without loss. Of a rigid body of the exact
-// shape the outcome is a closed form: the plane pushes with an impulse J along its normal n at the
-// one point r (from the centre) where the surface is normal to it,
+// One particle hits a plane, without friction and dissipation. For a rigid body of the exact shape
+// the result is a closed form: the plane exerts an impulse J along its normal n at the single point
+// r (from the centre) where the surface is normal to it,
 //
 //   n . (v + w x r)' = -n . (v + w x r),   v' = v + J n/m,   w' = w + I^-1 (r x J n)
 //   J = -2 n . (v + w x r)/(1/m + (r x n) . I^-1 (r x n))
 //
-// The body comes without spin. A stiff body turns during its contact by some 0.1 degrees, which
-// the closed form does not know.
+// The body arrives without rotation. A body of finite stiffness rotates by about 0.1 degrees during
+// its contact, which the closed form neglects.
 
 #include "study/shape_study.hpp"
 
@@ -43,8 +43,8 @@ Impact impact(const silt::SuperEllipsoid& s, const silt::Quaternion& q) {
   return {q, s.height(down), J / m - speed, rotate(q, J * arm), rotate(q, J * turned)};
 }
 
-/// Whether the exact body, which leaves the plane as a rigid one, keeps clear of it until `after`:
-/// another end of it may strike. Its free turning is followed in steps.
+/// Whether the exact rigid body stays clear of the plane until `after` once it has left: its other
+/// end may hit. Its free rotation is followed in steps.
 bool stays_clear(const silt::SuperEllipsoid& s, const Impact& hit) {
   const Vec3d I = density * s.inertia();
   silt::Quaternion q = hit.orientation;
@@ -61,7 +61,7 @@ bool stays_clear(const silt::SuperEllipsoid& s, const Impact& hit) {
     };
     const Vec3d w = 0.5 * (rate(q) + rate(turned(rate(q))));
     q = turned(w);
-    // Little is asked at first, when it has hardly left.
+    // The tolerance is small at first, just after separation.
     const double clear =
         hit.height + hit.rebound * k * dt - s.height(rotate(conjugate(q), Vec3d{0, 0, -1}));
     if (clear < std::min(0.02 * radius, 0.2 * hit.rebound * k * dt)) return false;
@@ -88,7 +88,7 @@ void strike(const Cases& cases, const Setting& setting, example::Summary& summar
                                  " on a plane: ", hits.size(), " orientations"));
     const auto add = [&, &t = t](const Model& model) {
       study.variant(model.name, [=](silt::StudyRun& run) {
-        // Side by side, far enough from each other; the exact shape would touch at one time.
+        // Side by side, far enough from each other; all exact shapes would touch at the same time.
         const double apart = 6 * radius, gap = 0.6 * radius;
         std::vector<Grain> grains;
         for (std::size_t k = 0; k < hits.size(); ++k)
@@ -109,8 +109,8 @@ void strike(const Cases& cases, const Setting& setting, example::Summary& summar
         for (std::size_t k = 0; k < hits.size(); ++k) {
           const auto& hit = hits[k];
           const Vec3d v = crowd->grain(k).velocity - Vec3d{0, 0, hit.rebound};
-          // Spin as it was just after the impact: of the difference of the angular momenta, which
-          // free flight keeps, in the orientation of the impact.
+          // Angular velocity just after the impact: from the difference of the angular momenta,
+          // which are constant in free flight, in the orientation at the impact.
           const Vec3d L =
               rotate(conjugate(hit.orientation), crowd->angular_momentum(k) - hit.momentum);
           const Vec3d I = density * t.exact.inertia();
@@ -142,7 +142,7 @@ void strike(const Cases& cases, const Setting& setting, example::Summary& summar
       for (const auto& n : r.notes)
         if (n.name == "error of energy") energy = std::max(energy, std::abs(n.value));
     }
-    // The contact turns by some 0.1 degrees; it was seen to matter by 1e-3.
+    // The body rotates by about 0.1 degrees during contact; observed effect: 1e-3.
     summary.check_at_most(silt::text("impact_", t.name, ": super-ellipsoid, error of velocity"),
                           exact, 0.005);
     summary.check_at_most(silt::text("impact_", t.name, ": error of many spheres over few"),

@@ -18,7 +18,7 @@
 #include <silt/shape/super_ellipsoid.hpp>
 #include <silt/shape/surface_mesh.hpp>
 
-/// The particles of the study of shapes, and the models that stand for them.
+/// The particles of the shape study, and the models that represent them.
 namespace studies::shape {
 
 using silt::Vec3d;
@@ -26,13 +26,13 @@ using silt::Vec3d;
 inline constexpr double radius = 2e-3;  // [m] of the sphere of equal volume, of every particle
 inline constexpr double volume = 4.0 / 3 * std::numbers::pi * radius * radius * radius;  // [m3]
 
-/// A shape that models are made for; super-ellipsoids have closed forms of all that is asked.
+/// A shape for which models are made; superellipsoids have closed forms of all compared quantities.
 struct Target {
   std::string name;
   silt::SuperEllipsoid exact;
 };
 
-/// Of the volume that all have.
+/// The common volume.
 inline Target target(const std::string& name, silt::SuperEllipsoid s) {
   const double scale = std::cbrt(volume / s.volume());
   s.a *= scale, s.b *= scale, s.c *= scale;
@@ -52,14 +52,14 @@ using Form = std::variant<RollingSphere, silt::MultiSphere, silt::SuperEllipsoid
 struct Model {
   std::string name;
   Form form;  // of any size: particles are scaled to `volume`
-  /// [-] of the step that silt chooses. Of fifty spheres and more several press at once, and the
-  /// guard asks for shorter steps.
+  /// [-] fraction of the step that silt chooses. With fifty spheres and more, several touch at
+  /// once, and the guard requires shorter steps.
   double step_share = 1;
 };
 
-/// Directions spread evenly: the 12 corners of an icosahedron (20 faces), with the middles of its
-/// faces (32 points, 60 faces), with the middles of those edges (122 points, 240 faces). More along
-/// a spiral: any number.
+/// Uniformly distributed directions: the 12 vertices of an icosahedron (20 faces), with the centres
+/// of its faces (32 points, 60 faces), with the midpoints of those edges (122 points, 240 faces).
+/// Other numbers along a spiral.
 inline std::vector<Vec3d> directions(std::size_t faces) {
   std::vector<Vec3d> all;
   if (faces > 240) {
@@ -86,9 +86,9 @@ inline std::vector<Vec3d> directions(std::size_t faces) {
   return all;
 }
 
-/// The convex hull of points on the surface, those whose normals are the directions for so many
-/// `faces`, all turned to where the hull is largest, of 100 turns (of 5 where it hardly matters).
-/// Faces that come to lie in one plane are one.
+/// Convex hull of points on the surface whose normals are the directions for so many `faces`. Of
+/// 100 rotations of the directions (5 where the effect is small) the one with the largest hull.
+/// Faces that lie in one plane are joined.
 inline silt::Polyhedron hull_of(const silt::SuperEllipsoid& s, std::size_t faces) {
   const auto normals = directions(faces);
   silt::Random random(5);
@@ -115,7 +115,7 @@ inline Model faces_for(const Target& t, std::size_t count) {
   return {silt::text(count, " faces"), hull_of(t.exact, count), 1};
 }
 inline Model exact_for(const Target& t) { return {"super-ellipsoid", t.exact, 1}; }
-/// Sharp, of flat faces; for the cube alone.
+/// Flat faces with sharp edges; for the cube only.
 inline Model true_cube() {
   std::vector<Vec3d> corners;
   for (int k = 0; k < 8; ++k)
@@ -140,8 +140,8 @@ inline std::vector<Model> models_for(const Target& t, bool quick) {
   return all;
 }
 
-/// Root mean square over all directions [-, of `radius`] of the distance between the tangent planes
-/// of the model and of the exact shape. Hollows between spheres are not seen by it.
+/// Rms over all directions [-, of `radius`] of the distance between the tangent planes of the model
+/// and of the exact shape. It does not detect hollows between spheres.
 inline double outline_error(const Model& model, const silt::SuperEllipsoid& exact) {
   double sum = 0;
   constexpr int count = 2000;

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Grains fall into a box without side walls and come to rest: how dense, how many partners, at
-// what cost. All models start from the same places, orientations and velocities.
+// Grains fall into a box without side walls and come to rest: solid fraction, coordination number,
+// and cost. All models start from the same positions, orientations and velocities.
 
 #include <algorithm>
 
@@ -15,7 +15,7 @@ namespace {
 constexpr double width = 3.2 * pitch;  // [m] of the period
 constexpr double duration = 0.25;      // [s]
 
-/// The part of a sphere that lies below z, over its volume.
+/// Fraction of the volume of a sphere that lies below z.
 double share_below(double centre, double z) {
   const double h = std::clamp((z - centre) / radius + 1, 0.0, 2.0);
   return h * h * (3 - h) / 4;
@@ -32,8 +32,8 @@ Bed settled_bed(const Model& model, std::size_t count, std::uint64_t seed) {
   crowd->run(duration);
   Bed bed;
   bed.cost = (clock.now() - start) / (duration * static_cast<double>(count));
-  // A bed of even density and height H has its middle at H/2; layers of a diameter at its floor
-  // and of one and a half at its top are left out.
+  // The centre of a bed of uniform density and height H is at H/2; layers of one diameter at its
+  // floor and of one and a half at its top are left out.
   double middle = 0, inside = 0;
   for (std::size_t k = 0; k < count; ++k)
     middle += crowd->grain(k).position.z / static_cast<double>(count);
@@ -58,7 +58,8 @@ void settle(const Cases& cases, const Setting& setting, example::Summary& summar
       setting.quick ? std::vector<std::uint64_t>{2} : std::vector<std::uint64_t>{2, 3, 4};
   for (const auto& [t, models] : cases) {
     silt::Study study(silt::text("A bed of ", count, " ", t.name, "s"));
-    // The exact shape from other starts: what models are compared with, and how much beds differ.
+    // The exact shape from other starts: the reference for the models, and the scatter between
+    // beds.
     Spread fraction, partners;
     for (const auto seed : others) {
       const Bed b = settled_bed(exact_for(t), count, seed);
@@ -99,9 +100,9 @@ void settle(const Cases& cases, const Setting& setting, example::Summary& summar
       for (const auto& n : r.notes)
         if (n.name == "solid fraction" || n.name == "cost a grain and s")
           summary.result(silt::text("bed_", t.name, ": ", r.name, ": ", n.name), n.value);
-    // A fall of 0.1 m ends at 1.5 m/s: of the energy a 1000th is left.
+    // A fall of 0.1 m ends at 1.5 m/s: 1/1000 of the energy is left.
     summary.check_at_most(silt::text("bed_", t.name, ": speeds left [m/s]"), unrest, 0.05);
-    // Beds from other starts were seen to differ by 2 %.
+    // Observed: beds from other starts differ by 2 %.
     for (const auto& r : study.results().rows)
       if (r.name == "60 faces" && !r.failed())
         summary.check_at_most(silt::text("bed_", t.name, ": 60 faces, error of solid fraction"),

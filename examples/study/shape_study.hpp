@@ -15,7 +15,7 @@
 /// The parts of `./run study shape`.
 namespace studies::shape {
 
-/// A shape and the models that stand for it.
+/// A shape and the models that represent it.
 struct Case {
   Target target;
   std::vector<Model> models;
@@ -26,7 +26,7 @@ struct Case {
   }
 };
 
-/// Several measurements of one thing, of other starts.
+/// Repeated measurements of one quantity, from different starts.
 struct Spread {
   std::vector<double> values;
 
@@ -42,7 +42,7 @@ struct Spread {
   }
 };
 
-/// Lines of a name and numbers, as text and as a .csv file.
+/// Rows of a name and numbers, as text and as a .csv file.
 class Rows {
  public:
   explicit Rows(std::vector<std::string> columns) : columns_(std::move(columns)) {}
@@ -72,10 +72,10 @@ class Rows {
   std::vector<std::pair<std::string, std::vector<double>>> rows_;
 };
 
-/// Grains of a bed.
+/// Number of grains in a bed.
 inline std::size_t bed_size(const Setting& setting) { return setting.quick ? 60 : 150; }
 
-/// What is asked of a crowd of cubes that spheres are to stand for.
+/// Quantities of many cubes that spheres should reproduce.
 struct Cubes {
   Spread heap, drum;  // [degrees]
 };

@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// What the skin of a Verlet list costs: too small a skin searches often, too large a one carries
-// pairs that do not touch. Left out, silt gives each sphere a reach that follows its motion.
-// Results do not depend on the skin but for the order of pairs, hence by rounding.
+// Cost of a Verlet list over its skin: too small a skin needs frequent searches, too large a one
+// carries pairs that do not touch. If none is given, silt gives each sphere a reach that follows
+// its motion. The skin affects results only by the order of pairs, hence by rounding.
 
 #include <algorithm>
 #include <cmath>
@@ -28,8 +28,8 @@ silt::VerletList<> with_skin(double share) {  // of the mean diameter [-]; 0: au
   return list;
 }
 
-/// A scene under several skins, the automatic one first; as a control one that starts a little
-/// differently. Velocities are compared after a sixth of the run: later every difference has grown.
+/// A scene with several skins, the automatic one first; as a control one with a slightly different
+/// start. Velocities are compared after a sixth of the run: later every difference has grown.
 ///   scene(list, nudge): gravity or speeds are multiplied by `nudge`
 template <class Scene>
 silt::Study study(const std::string& name, const std::vector<double>& skins, double duration,
@@ -52,7 +52,7 @@ silt::Study study(const std::string& name, const std::vector<double>& skins, dou
   return study;
 }
 
-/// Cost over skin, with that of the automatic choice as a level.
+/// Cost over skin, with that of the automatic choice as a horizontal line.
 bool draw(const std::string& folder, const std::string& title, const std::vector<double>& skins,
           const silt::Study& study) {
   const auto& rows = study.results().rows;
@@ -80,7 +80,7 @@ void summarise(const std::string& name, const silt::Study& study, example::Summa
   summary.result("automatic_over_best_fixed_cost_" + name, rows[0].cost() / best);
   summary.result("error_of_early_velocities_1e-12_off_" + name, error(control));
   summary.check_at_most("same_skin_same_bits_" + name, error(0), 0);
-  // Another order of pairs: roundings of 1e-16 in each of some hundred steps.
+  // Different order of pairs: roundings of 1e-16 at each of some hundred steps.
   summary.check_at_most("less_than_1e-12_off_" + name, worst / error(control), 1);
   summary.check_at_most("error_of_kinetic_energy_" + name, energy, 1e-3);
 }

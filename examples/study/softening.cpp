@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// What softening small spheres gains and what it costs: silt::Softened gives spheres smaller than
-// `full_radius` the contact time of that one, so that the time step grows as full_radius over the
-// smallest radius. A poured bed shows what becomes of bulk results, a fast gas what becomes of the
-// energy and of the overlap, where its safeguard has to act.
+// Gain and cost of softening small spheres: silt::Softened gives spheres smaller than `full_radius`
+// the contact time of that radius. The time step increases by full_radius over the smallest radius.
+// A poured bed shows the effect on bulk results; a fast gas shows the effect on energy and overlap,
+// where the safeguard must act.
 
 #include <cmath>
 #include <cstdio>
@@ -34,7 +34,7 @@ silt::Particles<silt::Sphere> wide_sizes(std::size_t count, const silt::Box& reg
   return spheres;
 }
 
-/// Both scenes take silt's own time step, a 20th of the shortest contact at the first speeds.
+/// Both scenes use silt's own time step, 1/20 of the shortest contact at the initial speeds.
 template <class Sim>
 Sim prepared(Sim sim) {
   sim.threads = 1;
@@ -42,7 +42,7 @@ Sim prepared(Sim sim) {
   return sim;
 }
 
-/// A bed of 1e8 Pa that falls at 1 m/s into a box and rests after 0.3 s.
+/// A bed of 1e8 Pa that falls at 1 m/s into a box and is at rest after 0.3 s.
 auto bed(std::size_t count, double full_radius, double gravity) {
   const double side = 2 * largest * std::ceil(std::cbrt(static_cast<double>(count)) * 0.7);
   auto spheres = wide_sizes(count, {{0, 0, 0}, {side, side, 8 * side}}, silt::Arrangement::Lattice);
@@ -56,8 +56,8 @@ auto bed(std::size_t count, double full_radius, double gravity) {
   return sim;
 }
 
-/// A gas at 10 m/s without drag, 1e9 Pa, e = 0.9. Between contacts a sphere flies some 0.2 ms: what
-/// makes contacts last a part of that makes them fewer, and less energy is lost.
+/// A gas at 10 m/s without drag, 1e9 Pa, e = 0.9. The time between collisions is about 0.2 ms:
+/// contacts that last a noticeable part of it occur less often, and less energy is lost.
 auto gas(std::size_t count, double full_radius, double faster) {
   const double mean_cube = (smallest + largest) * (smallest * smallest + largest * largest) / 4;
   const double side = std::cbrt(4.0 / 3.0 * M_PI * mean_cube * static_cast<double>(count) / 0.15);
@@ -74,7 +74,7 @@ auto gas(std::size_t count, double full_radius, double faster) {
       silt::PeriodicBox{{{0, 0, 0}, {side, side, side}}, {true, true, true}}});
 }
 
-/// What both scenes tell of their steps and overlaps.
+/// Steps and overlaps of both scenes.
 template <class Sim>
 void tell(silt::StudyRun& run, const Sim& sim) {
   run.error("worst overlap", 100 * sim.peak_overlap() / 2, "%");
@@ -108,7 +108,7 @@ silt::Study study(const std::string& name, std::size_t count, const Variant& var
   for (const double factor : factors)
     study.variant(factor > 1 ? silt::text("R_full = ", factor, " R_min") : "full modulus",
                   variant(count, factor, 1));
-  // Other paths of all spheres: how much a crowd of so few differs from another.
+  // Sphere paths are chaotic: this is the difference of two runs with so few spheres.
   study.control("full modulus, 0.1 % off", variant(count, 1, 1.001));
   return study;
 }
@@ -121,8 +121,8 @@ void summarise(const std::string& name, const silt::Study& study, example::Summa
     const double gain = rows[k].note("dt")->value / rows[0].note("dt")->value;
     summary.result("time_step_gain" + of, gain);
     summary.result("cost_gain" + of, rows[0].cost() / rows[k].cost());
-    // R_full's contacts are the shortest then; with walls, which stay stiff, they are up to 2^(1/5)
-    // shorter still.
+    // Contacts of spheres of R_full are then the shortest; with walls, which stay stiff, they are
+    // shorter by up to 2^(1/5).
     summary.check_at_least("time_step_gain_over_factor" + of, gain / factors[k], 0.87);
     summary.check_at_most("time_step_gain_over_factor" + of, gain / factors[k], 1.0001);
   }

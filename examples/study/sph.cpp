@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// SPH: what its settings and policies cost, and how wrong it is with them, on four scenes with a
-// closed form (sph_scenes.hpp): a column at rest, flow between plates, the elliptic drop, a
-// standing wave. One thing is varied at a time, from the defaults.
+// SPH: cost and error of its settings and policies on four scenes with a closed form
+// (sph_scenes.hpp): a column at rest, flow between plates, the elliptic drop, a standing wave. One
+// parameter is varied at a time, from the defaults.
 
 #include "study/sph.hpp"
 
@@ -28,7 +28,7 @@ double error_of(const silt::Study& study, const std::string& row, const std::str
   return found ? found->error(error)->value : NAN;
 }
 
-/// Errors over what is varied: a line an error. `at`: the number of each variant.
+/// Errors over the varied parameter: one line per error. `at`: the number of each variant.
 void draw(const silt::Study& study, const std::vector<double>& at, const std::string& axis,
           const std::vector<std::string>& errors, const std::string& title, const std::string& path,
           const std::string& log) {
@@ -50,7 +50,7 @@ void draw(const silt::Study& study, const std::vector<double>& at, const std::st
     std::printf("Look at %s.png.\n", path.c_str());
 }
 
-/// How much too fast the wave is, beside half of the lattice's shear modulus over the pressure.
+/// Relative excess of the wave's speed, and half of the lattice's shear modulus over the pressure.
 void draw_periods(const silt::Study& study, const std::string& path) {
   std::string table = "smoothing [-],Wendland [%],... by G/(2 P) [%],cubic spline [%]";
   for (const auto& row : study.results().rows) {
@@ -75,7 +75,7 @@ silt::Study part(const std::string& name, const sph::Variants& variants,
                  example::Summary& summary) {
   silt::Study study(name);
   for (const auto& v : variants) study.variant(v.name, v.run);
-  // What is a mistake of a few in a hundred where liquids are measured.
+  // Typical uncertainty of measurements in liquids: a few per cent.
   study.accept("pressure at rest", 2), study.accept("axes of the drop", 1.5);
   study.accept("flow between plates", 2), study.accept("energy of the drop", 3);
   study.accept("period of the wave", 2);
@@ -108,7 +108,7 @@ void run(const studies::Setting& wanted, example::Summary& summary) {
   const auto kernel =
       part("SPH: kernel and smoothing", sph::kernels(fine, quick), setting, "kernel", summary);
   draw_periods(kernel, setting.out + "/period");
-  // A lattice that is stiff carries waves too fast.
+  // A stiff lattice carries waves too fast.
   summary.check_at_least("period_at_smoothing_0.9_over_1.2",
                          error_of(kernel, "Wendland, 0.9", "period of the wave") /
                              error_of(kernel, "Wendland, 1.2", "period of the wave"),
@@ -120,7 +120,7 @@ void run(const studies::Setting& wanted, example::Summary& summary) {
                         error_of(time, "symplectic, 0.2", "axes of the drop"), quick ? 4 : 1.5);
   const auto diffusion =
       part("SPH: diffusion", sph::diffusions(fine, quick), setting, "diffusion", summary);
-  // Molteni's changes the liquid near its surface for ever.
+  // Molteni's term changes the liquid near its surface permanently.
   summary.check_at_least("speed_at_rest_by_Molteni_over_Fourtakas",
                          error_of(diffusion, "Molteni, 0.1", "speed at rest") /
                              error_of(diffusion, "Fourtakas, 0.1", "speed at rest"),

@@ -6,7 +6,7 @@
 
 #include "study/studies.hpp"
 
-/// The parts of the study of SPH, in files of their own, as each policy is a liquid to compile.
+/// The parts of the SPH study, in separate files, as each combination of policies is compiled.
 namespace studies::sph {
 
 struct Variant {
@@ -15,14 +15,14 @@ struct Variant {
 };
 using Variants = std::vector<Variant>;
 
-// `fine`: particles a length over the coarsest; quick: fewer variants.
+// `fine`: particles per length over the coarsest; quick: fewer variants.
 Variants resolutions(bool quick);
 Variants kernels(double fine, bool quick);
 Variants time_steps(double fine, bool quick);
 Variants diffusions(double fine, bool quick);
 Variants shifts(double fine, bool quick);
 Variants sounds(double fine, bool quick);
-/// A floating box that is let go, by the grains' step over the liquid's.
+/// A floating box after release, by grain steps per liquid step.
 silt::Study::Variant box_with_step(double of_liquid, bool quick);
 
 }  // namespace studies::sph

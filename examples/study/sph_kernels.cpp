@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// Of the study of SPH: kernels and smoothing lengths.
+// SPH study: kernels and smoothing lengths.
 
 #include "study/sph.hpp"
 #include "study/sph_scenes.hpp"

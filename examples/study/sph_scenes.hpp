@@ -11,12 +11,12 @@
 
 #include "study/studies.hpp"
 
-/// Liquids with closed forms, all in 2D: what the study of SPH measures its choices by.
+/// Liquids with closed forms, all in 2D: the references of the SPH study.
 namespace studies::sph {
 
 constexpr double g = 9.81, rho = 1000;  // [m/s2], [kg/m3]
 
-/// What is varied beside the policies.
+/// Varied parameters other than policies.
 struct Choice {
   double fine = 1;  // [-] particles a length, over those of the coarsest
   double smoothing = 1.2, courant = 0.2, alpha = 0.02;
@@ -26,8 +26,8 @@ inline int count(double coarsest, const Choice& choice) {
   return std::max(4, static_cast<int>(std::lround(coarsest * choice.fine)));
 }
 
-/// A column 0.3 m high on a floor, periodic along x, 1 s after it was filled: pressure, rms, over
-/// that at the floor, and the largest speed over sqrt(g H), mean of the last 0.2 s [%].
+/// A column 0.3 m high on a floor, periodic along x, 1 s after filling: rms pressure error over the
+/// pressure at the floor, and the largest speed over sqrt(g H), mean of the last 0.2 s [%].
 struct Column {
   double pressure = 0, speed = 0;
 };
@@ -64,8 +64,8 @@ Column column(silt::StudyRun& run, const Choice& of, const Policies&... policies
   return seen;
 }
 
-/// Flow between plates that a force drives from rest, at a tenth of the time in which viscosity
-/// crosses the gap, Re = 10: rms over the largest velocity [%].
+/// Flow between plates driven by a body force from rest, at a tenth of the viscous diffusion time
+/// across the gap, Re = 10: rms error over the largest velocity [%].
 template <class... Policies>
 double plates(silt::StudyRun& run, const Choice& of, const Policies&... policies) {
   const double H = 0.01, U = 0.01, nu = 1e-5, s = H / count(12, of), end = 0.1 * H * H / nu;
@@ -96,8 +96,8 @@ double plates(silt::StudyRun& run, const Choice& of, const Policies&... policies
   return 100 * std::sqrt(squares / static_cast<double>(oil.size())) / U;
 }
 
-/// A round drop that its own strain draws out into an ellipse (tests/sph/elliptic_drop.cpp), until
-/// it is four times as long as wide: its axes and its energy against Euler's equations [%].
+/// A round drop with an initial strain rate deforms into an ellipse (tests/sph/elliptic_drop.cpp),
+/// until it is four times as long as wide: its axes and its energy against Euler's equations [%].
 struct Drop {
   double axes = 0, energy = 0;
 };
@@ -130,9 +130,10 @@ Drop drop(silt::StudyRun& run, const Choice& of, const Policies&... policies) {
           100 * (water.kinetic_energy() / before - 1)};
 }
 
-/// The first standing wave in a tank 1 m long, 0.5 m deep, 20 mm high, which starts with the
-/// velocities of the linear theory and a flat surface: period against omega^2 = g k tanh(k d), and
-/// amplitude lost a period [%]. By the projection of the velocities onto those of the theory.
+/// The first standing wave in a tank 1 m long, 0.5 m deep, 20 mm high. It starts with the
+/// velocities of linear theory and a flat surface. Errors: the period, against omega^2 = g k tanh(k
+/// d), and the amplitude lost per period [%]. The amplitude is the projection of the velocities
+/// onto those of the theory.
 struct Wave {
   double period = 0, decay = 0;
 };
@@ -175,7 +176,7 @@ Wave wave(silt::StudyRun& run, const Choice& of, const Policies&... policies) {
     if (part[n - 1] * part[n] < 0)
       crossings.push_back(static_cast<double>(n - 1) + part[n - 1] / (part[n - 1] - part[n]));
   if (crossings.size() < 3) return {100, 100};
-  // From first to last; extremes near the middle between them.
+  // From the first to the last zero crossing; extremes near the middle between them.
   const double half =
       (crossings.back() - crossings.front()) / static_cast<double>(crossings.size() - 1) / samples;
   const auto most = [&](double from, double to) {
@@ -191,9 +192,9 @@ Wave wave(silt::StudyRun& run, const Choice& of, const Policies&... policies) {
           100 * (1 - std::pow(end / first, 2.0 / static_cast<double>(last - 1)))};
 }
 
-/// The shear modulus over the pressure [-] of particles on a square lattice, which a liquid has
-/// not: by the energy P V sum W of a stretch along the lattice that keeps the area. Sums of a
-/// kernel are no integrals. Waves are faster by half of it, as far as the lattice holds.
+/// Shear modulus over the pressure [-] of particles on a square lattice; a liquid has none. From
+/// the energy P V sum W of a stretch along the lattice that keeps the area: sums of a kernel are
+/// not integrals. Waves are faster by half of it, as long as the lattice persists.
 template <class Kernel>
 double lattice_stiffness(double smoothing) {
   const double h = smoothing * std::numbers::sqrt2;
@@ -210,7 +211,7 @@ double lattice_stiffness(double smoothing) {
   return (sum(e) - 2 * sum(0) + sum(-e)) / (e * e);
 }
 
-/// All of them.
+/// All scenes.
 template <class... Policies>
 silt::Study::Variant all_of(const Choice& choice, const Policies&... policies) {
   return [=](silt::StudyRun& run) {

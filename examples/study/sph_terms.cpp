@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// Of the study of SPH: diffusion of density and shifting.
+// SPH study: density diffusion and particle shifting.
 
 #include "study/sph.hpp"
 #include "study/sph_scenes.hpp"

@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
-// Of the study of SPH: spacing, sound, time integration and Courant number; steps of grains beside
-// the liquid's.
+// SPH study: spacing, speed of sound, time integration and Courant number; grain steps per liquid
+// step.
 
 #include <cmath>
 #include <string>

@@ -1,9 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// How soft may a material be made? A study of pneumatic conveying in bends lets a particle fly at a
-// flat wall of its own material and shows the overlap over the shear modulus; soft particles pass
-// through the wall. Here the same against the closed form, on a plane for the overlap and on a
-// plate of triangles for what passes: a plane is the face of a body that has no other side.
+// Limits of softening. A study of pneumatic conveying in bends lets a particle hit a flat wall of
+// its own material and plots the overlap over the shear modulus; soft particles pass through the
+// wall. Here the same against the closed form: the overlap on a plane, penetration on a plate of
+// triangles, as a plane is the face of a half-space without another side.
 
 #include <algorithm>
 #include <cmath>
@@ -53,8 +53,8 @@ double measured(double shear_modulus, double speed) {
   return 100 * sim.peak_overlap() / 2;
 }
 
-/// True if the sphere passes through a plate of triangles, one that is hard from both sides: with the
-/// guard's limits lifted its centre comes out behind it.
+/// True if the sphere passes through a two-sided plate of triangles: with the guard's limits lifted
+/// its centre emerges behind it.
 bool passes(double shear_modulus, double speed) {
   silt::Particles<silt::Sphere> one;
   one.add({.position = {0, 0, 1.1 * flats::radius},
@@ -119,7 +119,7 @@ Comparison compare(const std::string& table_path) {
   return out;
 }
 
-/// What silt says with its own limit of the overlap.
+/// silt's message with its own overlap limit.
 std::string guard_sentence() {
   auto sim = flats::make(1e5, restitution, 7);
   try {
@@ -150,8 +150,8 @@ void run(const studies::Setting& setting, example::Summary& summary) {
            "--out",         setting.out + "/overlap.png"}))
     std::printf("Look at %s/overlap.png.\n", setting.out.c_str());
   summary.result("largest_relative_difference_to_closed_form", found.off);
-  // Published: through the plate below 1e4, 5e4 and 1e5 Pa, on this grid of moduli. The closed form
-  // makes 5e3 Pa rebound at 1 m/s (30 % of the diameter), and silt agrees with it.
+  // Published: penetration below 1e4, 5e4 and 1e5 Pa, on this grid of moduli. By the closed form
+  // 5e3 Pa rebounds at 1 m/s (30 % of the diameter), and silt agrees with it.
   const double published[] = {1e4, 5e4, 1e5};
   for (std::size_t k = 0; k < 3; ++k) {
     const std::string at = silt::text("_at_", speeds[k], "_m_s");
@@ -164,8 +164,8 @@ void run(const studies::Setting& setting, example::Summary& summary) {
   const std::string sentence = guard_sentence();
   summary.result("guard_at_1e5_pa_and_7_m_s", sentence);
   summary.check_at_least("guard_stops_1e5_pa", sentence.empty() ? 0 : 1, 1);
-  // The dashpot's force begins somewhere within a step: up to one step of it too much or too
-  // little, 2 pi zeta/n (tests/physics/impact.cpp).
+  // The dashpot's force starts at some instant within a step: an error of up to one step of it, 2
+  // pi zeta/n (tests/physics/impact.cpp).
   const double zeta = silt::damping_ratio(restitution, silt::DampingEnd::ZeroOverlap);
   summary.check_at_most("off_closed_form", found.off, 2 * M_PI * zeta / steps_a_contact);
   summary.check_at_most("passing_unlike_closed_form", found.sides_wrong, 0);

@@ -14,18 +14,18 @@
 /// The studies of `./run study NAME`: one file each, which registers itself.
 namespace studies {
 
-/// How a study is to be run.
+/// Options of a study.
 struct Setting {
   std::string out;      // folder of its results
   bool quick;           // a smaller one of the same physics
   std::size_t repeats;  // rounds
-  // Of `decomposition` alone:
+  // For `decomposition` only:
   std::size_t particles = 0;  // 0: as the study has it
   double latency = 2e-6;      // [s] of a message
   double bandwidth = 10e9;    // [bytes/s]
 };
 
-/// Runs a study, shows on a terminal how far it is, and writes what it found into a folder of
+/// Runs a study, shows its progress on a terminal, and writes its results into a folder of
 /// `setting.out`.
 inline void run_and_report(silt::Study& study, const Setting& setting, const std::string& folder) {
   const bool terminal = ::isatty(STDERR_FILENO);
@@ -52,7 +52,7 @@ inline std::vector<Entry>& all() {
   return entries;
 }
 
-/// What a study recommends, as results of the program's summary.
+/// Recommendations of a study, as results of the program's summary.
 inline void add_recommendation(example::Summary& summary, const std::string& name,
                                const silt::Study& study) {
   const auto& results = study.results();
@@ -60,7 +60,7 @@ inline void add_recommendation(example::Summary& summary, const std::string& nam
                  results.recommended ? results.rows[*results.recommended].name : "none");
 }
 
-/// const studies::Registered here{"skin", "what it asks, in a line", skin};
+/// const studies::Registered here{"skin", "its question, in one line", skin};
 struct Registered {
   Registered(const std::string& name, const std::string& about, Function function) {
     all().push_back({name, about, function});

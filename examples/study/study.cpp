@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Error against run time: `study NAME` runs one of the studies beside this file, which end in
+// Error against run time: `study NAME` runs one of the studies beside this file. Each ends in
 // tables, a Pareto plot with the recommended setting, and checks against closed forms or published
 // numbers.
 

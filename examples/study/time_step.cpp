@@ -1,12 +1,12 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// The elastic two-flat test of a study of larger time steps in pneumatic conveying: a particle
+// The elastic two-flat test from a study of larger time steps in pneumatic conveying: a particle
 // bounces 500 times between two flat walls, dt = C sqrt(m/k) with k = 4/3 E* sqrt(R*) in SI units
-// (m/k has the unit s2 m^1/2: the formula is a recipe for numbers). Its error is the largest change
-// of the speed after any collision; 0.05 % was accepted, which led to C = 0.9 at G = 1e7 Pa and
-// C = 1 at 1e9 Pa. But one run says little: the error depends on where in a step the particle
-// touches, so that a C may look better than a smaller one. The worst case over starting points, and
-// over C +- 0.02, tells.
+// (m/k has the unit s2 m^1/2: the formula is numerical only). Its error is the largest change of
+// the speed after any collision. The study accepted 0.05 %, which gave C = 0.9 at G = 1e7 Pa and C
+// = 1 at 1e9 Pa. A single run is not representative: the error depends on the instant of first
+// touch within a step, and a C may appear better than a smaller one. The worst case over starting
+// points, and over C +- 0.02, is conclusive.
 
 #include <algorithm>
 #include <cmath>
@@ -53,7 +53,7 @@ double worst_speed_error(double shear_modulus, double C, const Effort& effort) {
   return worst;
 }
 
-/// C of the step that silt takes when none is set: a 20th of the shortest contact, that of a pair.
+/// C of the step that silt chooses if none is set: 1/20 of the shortest contact, that of a pair.
 double automatic(double shear_modulus) {
   return silt::hertz_contact_time(flats::modulus(shear_modulus), flats::radius / 2,
                                   flats::mass() / 2, speed) /
@@ -82,8 +82,8 @@ silt::Study study_of(double shear_modulus, const std::string& modulus, const Eff
   return study;
 }
 
-/// What velocity Verlet gave in another program, of a few lines and of our own [%]; its rounding is
-/// half of the last digit. The study itself prints only the time steps and that both were accepted.
+/// Velocity Verlet in a separate short program written for this purpose [%]; rounding: half of the
+/// last digit. The published study gives only the time steps and that both were accepted.
 struct Computed {
   const char* name;
   double shear_modulus, C, error, rounding;
@@ -95,7 +95,7 @@ constexpr Computed computed[] = {{"G_1e7_C_0.9", 1e7, 0.9, 0.0083, 0.00005},
                                  {"G_1e9_C_2", 1e9, 2, 0.34, 0.005}};
 
 void compare(example::Summary& summary) {
-  // Catches a time integration that differs from velocity Verlet, or a recipe of other units.
+  // Fails for a time integration that differs from velocity Verlet, or the formula in other units.
   for (const auto& p : computed) {
     const double found = speed_error(p.shear_modulus, p.C, collisions);
     summary.result(silt::text("single_phase_percent_", p.name), found);
@@ -103,7 +103,7 @@ void compare(example::Summary& summary) {
     summary.check_at_most(silt::text("off_computed_elsewhere_", p.name), std::abs(found - p.error),
                           p.rounding);
   }
-  // The published decisions of the study of bends: these steps, within 0.05 % in the single run.
+  // The published decisions of the bend study: these steps are within 0.05 % in the single run.
   const double soft = time_step(1e7, 0.9), stiff = time_step(1e9, 1);
   summary.result("time_step_G_1e7_C_0.9_s", soft);
   summary.result("time_step_G_1e9_C_1_s", stiff);

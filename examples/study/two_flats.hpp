@@ -11,7 +11,7 @@
 
 /// The single particle of the time step and stiffness tests of a study of pneumatic conveying in
 /// bends: a sphere of 4 mm between two flat walls of the same material, 5 mm apart, no gravity.
-/// (Its table gives 4 mm as R_i; the time steps that it prints follow for a diameter of 4 mm.)
+/// (Its table gives 4 mm as R_i; its printed time steps follow for a diameter of 4 mm.)
 namespace studies::two_flats {
 
 using Law = silt::BasicHertzMindlin<silt::DampingEnd::ZeroOverlap>;  // as that study
@@ -33,12 +33,12 @@ inline double modulus(double shear_modulus) {
   const double E = silt::youngs_modulus(shear_modulus, poisson_ratio);
   return silt::effective_modulus(E, poisson_ratio, E, poisson_ratio);
 }
-/// Of an elastic impact on a wall [s].
+/// Contact time [s] of an elastic impact on a wall.
 inline double contact_time(double shear_modulus, double speed) {
   return silt::hertz_contact_time(modulus(shear_modulus), radius, mass(), speed);
 }
 
-/// The sphere `shift` [m] above the middle between both walls, on its way down.
+/// The sphere `shift` [m] above the middle between both walls, moving down.
 template <class Integrator = silt::Leapfrog>
 auto make(double shear_modulus, double restitution, double speed, double shift = 0) {
   silt::Particles<silt::Sphere> one;
@@ -54,8 +54,8 @@ auto make(double shear_modulus, double restitution, double speed, double shift =
   return sim;
 }
 
-/// The published recipe, C sqrt(m/k) with k = 4/3 E* sqrt(R*) [s]: a recipe for numbers in SI
-/// units, as m/k has the unit s2 m^1/2.
+/// The published formula, C sqrt(m/k) with k = 4/3 E* sqrt(R*) [s]: numerical, in SI units, as m/k
+/// has the unit s2 m^1/2.
 inline double time_step(double shear_modulus, double C) {
   return C * std::sqrt(mass() / silt::hertz_stiffness(modulus(shear_modulus), radius));
 }

@@ -6,11 +6,14 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <vector>
+
+#include <silt/eigen.hpp>
 
 namespace example {
 
-/// The bed of a drum seen along its axis, which is y: how much solid stands in each column and
-/// layer, on average over the samples that are added.
+/// The bed of a drum seen along its axis y: solid fraction in columns and layers, averaged over the
+/// added samples.
 class Occupancy {
  public:
   static constexpr int cells = 12;  // over a radius
@@ -19,11 +22,11 @@ class Occupancy {
       : radius_(radius), cell_(radius / cells), volume_(cell_ * cell_ * length) {}
 
   void next_sample() { ++samples_; }
-  /// A grain at x and z [m] from the axis, whose volume [m3] is counted at its centre.
+  /// A grain at x and z [m] from the axis; its whole volume [m3] is counted at its centre.
   void add_grain(double x, double z, double volume) { solid_[cell_at(x)][cell_at(z)] += volume; }
 
-  /// Height [m] of the surface over column k: where the solid fraction falls below half of a bed's;
-  /// not a number where there is none.
+  /// Height [m] of the surface over column k: where the solid fraction falls below half of the
+  /// bed's; NaN if nowhere.
   double surface(int k) const {
     const double full = 0.5 * 0.6 * volume_ * static_cast<double>(samples_);
     for (int m = 2 * cells - 1; m >= 0; --m) {
@@ -36,16 +39,15 @@ class Occupancy {
   }
   double place(int k) const { return -radius_ + (k + 0.5) * cell_; }  // [m]
 
-  /// Slope of the surface [degrees], of its middle: columns within half of the drum's radius.
+  /// Slope [degrees] of the middle of the surface: columns within half of the drum's radius.
   double angle() const {
-    double n = 0, x = 0, z = 0, xx = 0, xz = 0;
-    for (int k = 0; k < 2 * cells; ++k) {
-      const double at = place(k), height = surface(k);
-      if (std::abs(at) > 0.5 * radius_ || !std::isfinite(height)) continue;
-      n += 1, x += at, z += height, xx += at * at, xz += at * height;
-    }
-    return n > 2 ? std::abs(std::atan((n * xz - x * z) / (n * xx - x * x))) * 180 / std::numbers::pi
-                 : std::nan("");
+    std::vector<double> places, heights;  // [m]
+    for (int k = 0; k < 2 * cells; ++k)
+      if (std::abs(place(k)) <= 0.5 * radius_ && std::isfinite(surface(k)))
+        places.push_back(place(k)), heights.push_back(surface(k));
+    if (places.size() < 3) return std::nan("");
+    const double slope = silt::fit_straight_line(places, heights).slope;
+    return std::abs(std::atan(slope)) * 180 / std::numbers::pi;
   }
 
  private:

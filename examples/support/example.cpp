@@ -160,8 +160,8 @@ bool draw(const std::vector<std::string>& arguments) {
 }
 
 bool run_script(const std::string& script, const std::vector<std::string>& arguments) {
-  // Debian has numpy and matplotlib for /usr/bin/python3, whatever `python3` may be; where that one
-  // lacks them, `python3`.
+  // Debian installs numpy and matplotlib for /usr/bin/python3, whatever `python3` is; `python3` is
+  // used where that one lacks them.
   std::string command =
       "python=/usr/bin/python3; \"$python\" -c 'import sys; from importlib.util import find_spec; "
       "sys.exit(not (find_spec(\"numpy\") and find_spec(\"matplotlib\")))' 2>/dev/null || "

@@ -8,8 +8,8 @@
 #include <variant>
 #include <vector>
 
-/// What every example program offers: options, summary.json, checks, pictures, exit status.
-/// The libraries behind it stay in example.cpp, so that a program pays for them once.
+/// Common parts of all example programs: options, summary.json, checks, pictures, exit status. The
+/// libraries used are included in example.cpp only and compile once.
 namespace example {
 
 /// The options that examples share.
@@ -20,8 +20,8 @@ struct Options {
   int threads = 1;          // --threads; default: all of the machine
 };
 
-/// What kind of program it is: one run; several short ones, without --restart; timed ones, without
-/// --threads too.
+/// Kind of program: one run; several short ones, without --restart; timed ones, without --threads
+/// too.
 enum class Kind { Run, Cases, Study };
 
 /// The command line of an example.
@@ -32,24 +32,23 @@ class Command {
   ~Command();
   Options options;
 
-  /// An option with a number in [least, most]; its default is what `value` holds.
+  /// An option with a number in [least, most]; its default is the present `value`.
   void add(const std::string& name, double& value, double least, double most,
            const std::string& help);
   void add(const std::string& name, std::size_t& value, std::size_t least, std::size_t most,
            const std::string& help);
-  /// Several numbers; a name without dashes makes them the arguments that are no options.
+  /// Several numbers; for a name without dashes they are the positional arguments.
   void add(const std::string& name, std::vector<std::size_t>& values, std::size_t least,
            std::size_t most, const std::string& help);
   void add(const std::string& name, std::string& value, const std::vector<std::string>& choices,
            const std::string& help);
   void add_flag(const std::string& name, bool& value, const std::string& help);
-  /// Takes away one of the shared options, which this program has no use for.
+  /// Removes one of the shared options that this program does not use.
   void leave_out(const std::string& name);
   /// True if the option was given.
   bool given(const std::string& name) const;
 
-  /// Reads the arguments and runs `body`. What is refused or goes wrong: one sentence on stderr and
-  /// status 2.
+  /// Reads the arguments and runs `body`. An error is one sentence on stderr and exit status 2.
   int run(int argc, char** argv, const std::function<int()>& body);
 
  private:
@@ -57,7 +56,7 @@ class Command {
   std::unique_ptr<Parser> parser_;
 };
 
-/// Inputs, results and checks of a run; ends as summary.json.
+/// Inputs, results and checks of a run; written as summary.json at the end.
 class Summary {
  public:
   using Value = std::variant<double, std::string, bool>;
@@ -68,7 +67,7 @@ class Summary {
   }
   void check_at_most(const std::string& name, double value, double limit);
   void check_at_least(const std::string& name, double value, double limit);
-  /// |value - reference| <= tolerance, and why the tolerance is what it is.
+  /// value - reference| <= tolerance, with the reason of the tolerance.
   void check_within(const std::string& name, double value, double reference, double tolerance,
                     const std::string& reason);
   bool all_hold() const;
@@ -93,16 +92,17 @@ class Summary {
   std::vector<Check> checks_;
 };
 
-/// The processor's name, what tells apart those sold under one name, and its widest lanes; as
-/// benchmarks/report.py has it.
+/// The processor's name, details that distinguish processors of the same name, and its widest
+/// lanes; as in benchmarks/report.py.
 std::string processor();
 
-/// Runs `silt draw`, `silt curves` or `silt cells` (docs/python.md) with these arguments; false if there is no Python with numpy and matplotlib.
+/// Runs `silt draw`, `silt curves` or `silt cells` (docs/python.md) with these arguments; false if
+/// there is no Python with numpy and matplotlib.
 bool draw(const std::vector<std::string>& arguments);
-/// Runs a Python script of the example's own in the same way.
+/// Runs a Python script of the example in the same way.
 bool run_script(const std::string& script, const std::vector<std::string>& arguments);
 
-/// Seconds since it was made.
+/// Seconds since construction.
 class Stopwatch {
  public:
   double seconds() const {

@@ -11,11 +11,11 @@
 
 namespace example {
 
-/// How often contacts lose how much energy: what a mill's grinding is computed from. Classes of a
-/// quarter of a decade.
+/// Frequency of contacts by dissipated energy, for grinding models of mills. Four classes per
+/// decade.
 class ImpactSpectrum {
  public:
-  /// Of 12 decades of energy [J] from this one on: 1e-15 J and less unless given.
+  /// Over 12 decades of energy [J] from this one on: 1e-15 J and less unless given.
   explicit ImpactSpectrum(int first_decade = -15) : first_decade_(first_decade) {}
   void add(const silt::ContactEvent& impact) {
     if (!(impact.lost_energy > 0)) return;
@@ -25,7 +25,7 @@ class ImpactSpectrum {
     lost_ += impact.lost_energy;
   }
   double lost() const { return lost_; }  // [J]
-  /// Rates a grain, of `grains` over `duration` [s].
+  /// Rates per grain, of `grains` over `duration` [s].
   void write(const std::string& path, double grains, double duration) const {
     silt::CsvTable table(path, {"lost energy [J]", "between grains [1/s]", "at the drum [1/s]"});
     for (std::size_t k = 0; k < classes; ++k)

@@ -26,8 +26,8 @@ using silt::Vec3d;
 //   g0 = (1 - phi/2)/(1 - phi)^3                                                              (3)
 //   a2 = 16 (1 - e)(1 - 2 e^2)/(81 - 17 e + 30 e^2 (1 - e))                                   (4)
 // (2) P. K. Haff, J. Fluid Mech. 134 (1983) 401; (3) N. F. Carnahan, K. E. Starling, J. Chem. Phys.
-// 51 (1969) 635; (4) the velocities' departure from a Gaussian, T. P. C. van Noije, M. H. Ernst,
-// Granular Matter 1 (1998) 57: 0.3 % of the rate here.
+// 51 (1969) 635; (4) the deviation of the velocity distribution from a Gaussian, T. P. C. van
+// Noije, M. H. Ernst, Granular Matter 1 (1998) 57: 0.3 % of the rate here.
 constexpr double phi = 0.05, e = 0.9, d = 1e-3;  // [-] share of solid, [-], [m]
 constexpr double density = 2500, T0 = 1e-2;      // [kg/m3], [m2/s2]
 constexpr double pi = std::numbers::pi;
@@ -38,7 +38,7 @@ double cooling_rate(double T) {  // [1/s] 1/tau
   return (1 - e * e) / 6 * 4 * n * d * d * g0 * std::sqrt(pi * T) * (1 + 3.0 / 16 * a2);
 }
 
-/// Velocities of a Gauss law, without a mean, of temperature T0 exactly.
+/// Gaussian velocities, with zero mean and exactly the temperature T0.
 void set_velocities(silt::Particles<silt::Sphere>& gas) {
   silt::Random random(7);
   Vec3d mean{0, 0, 0};
@@ -77,7 +77,7 @@ void cooling_gas(Gallery& gallery) {
             .count = count,
             .arrangement = silt::Arrangement::Random});
   set_velocities(gas);
-  // As stiff as it takes for an overlap of 0.5 % of d at the relative speed sqrt(2 T0).
+  // Stiffness for an overlap of 0.5 % of d at the relative speed sqrt(2 T0).
   const double m_eff = density * silt::Sphere::volume(d / 2) / 2, overlap = 0.005 * d;
   const double k = m_eff * 2 * T0 / (overlap * overlap);
   silt::Simulation sim{std::move(gas),
@@ -88,8 +88,8 @@ void cooling_gas(Gallery& gallery) {
   sim.time_step = contact / 20;
 
   const double tau = 1 / cooling_rate(T0), collisions = 6 / (1 - e * e) / tau;  // [s], [1/s]
-  // ln T is a sum of as many losses as there were collisions, each as uncertain as it is large:
-  // three times its deviation; and a contact takes the time that a collision does not.
+  // ln T is a sum over all collisions, each with a standard deviation equal to its mean: three
+  // standard deviations. Also, contacts have a duration, collisions in the theory have none.
   const auto tolerance = [&](double x) {
     const double of_one = collisions * tau;  // [-] collisions of a sphere in ln(1 + t/tau) = 1
     return 6 * std::sqrt(std::log1p(x) / (0.5 * static_cast<double>(count) * of_one)) +

@@ -12,7 +12,7 @@
 
 namespace verification {
 
-/// Of many comparisons the one that comes nearest to its tolerance, or goes farthest beyond it.
+/// Of many comparisons the one closest to its tolerance, or furthest beyond it.
 class Worst {
  public:
   void compare(double value, double reference, double tolerance) {
@@ -34,7 +34,7 @@ class Worst {
   double share_ = -1;  // [-] of the tolerance
 };
 
-/// Where a case puts what it finds: tables in a folder, results and checks in the summary.
+/// Output of a case: tables in a folder, results and checks in the summary.
 struct Gallery {
   std::string folder;
   bool quick = false;

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// A plane is brought to an adhesive sphere and drawn away: the force over the overlap against
+// A plane approaches an adhesive sphere and is withdrawn: the force over the overlap against
 // Johnson, Kendall and Roberts, with their ratios 1, 5/9, 8/9.
 
 #include <algorithm>
@@ -25,7 +25,7 @@ silt::AdhesivePair pair_of() {
           radius, sticky.work_of_adhesion};
 }
 
-/// The larger contact radius [m] at an overlap: that of stable contact, by bisection.
+/// The larger contact radius [m] at an overlap (the stable branch), by bisection.
 double contact_radius(double overlap) {
   const auto pair = pair_of();
   const double c = std::sqrt(2 * std::acos(-1.0) * pair.work_of_adhesion / pair.E_eff);
@@ -42,8 +42,8 @@ struct Point {
   double overlap, force;  // [m], [N] > 0 pushes
 };
 
-/// The plane goes up at constant speed to `deepest`, and back to where it was. The sphere is so
-/// heavy that it stays.
+/// The plane moves up at constant speed to `deepest`, and back to its start. The sphere is heavy
+/// enough to stay in place.
 std::vector<Point> approach_and_retreat(double deepest, double gap, int steps) {
   silt::Particles<silt::Sphere> one;
   one.add({.position = {0, 0, radius}, .radius = radius, .density = 1e16});
@@ -68,7 +68,7 @@ struct Course {
   double pull_off;  // [N] by the closed form
 };
 
-/// The whole course against the closed form.
+/// The whole curve against the closed form.
 void compare_law(Gallery& gallery, const Course& course) {
   const auto pair = pair_of();
   const double at_rest = silt::jkr_overlap_at_rest(pair);
@@ -82,7 +82,7 @@ void compare_law(Gallery& gallery, const Course& course) {
     attached = p.overlap > 0 || (attached && p.overlap > parting);
     const double exact = attached ? silt::jkr_force(pair, contact_radius(p.overlap)) : 0;
     const double found = p.force / course.pull_off;
-    // The end of a step may fall on either side of touching and parting.
+    // The end of a step may be on either side of attachment and separation.
     const double to_edge = std::min(std::abs(p.overlap), std::abs(p.overlap - parting));
     if (to_edge > 1e-6 * course.stride) law.compare(found, exact / course.pull_off, 1e-8);
     if (k % 200 == 0) table.add_row({p.overlap / at_rest, found, exact / course.pull_off});
@@ -92,7 +92,7 @@ void compare_law(Gallery& gallery, const Course& course) {
                 "large");
 }
 
-/// The largest pull, that at parting and that at touch.
+/// Largest tensile force, force at separation and at attachment.
 void compare_ratios(Gallery& gallery, const Course& course) {
   const auto pair = pair_of();
   const double parting = silt::jkr_overlap_at_parting(pair);

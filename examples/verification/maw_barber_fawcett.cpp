@@ -32,8 +32,8 @@ class Circle {
     for (std::size_t i = 0; i < rings_; ++i) set_circle(i, edge_of(i));
   }
 
-  /// The shear force after the bodies have moved on by dx, under the normal force `load` on a
-  /// circle of this radius.
+  /// The shear force after a relative displacement dx of the bodies, under the normal force `load`
+  /// on a circle of this radius.
   double force_after(double dx, double load, double radius) {
     std::size_t n = 0;
     while (n < rings_ && middle_[n] < radius) ++n;
@@ -41,7 +41,7 @@ class Circle {
       std::fill(u_.begin(), u_.end(), 0);
       return 0;
     }
-    // The outermost circle is that of the contact, so that sliding everywhere is exact.
+    // The outermost circle equals that of the contact: sliding everywhere is then exact.
     if (n - 1 != outermost_) set_circle(outermost_, edge_of(outermost_));
     outermost_ = n - 1;
     set_circle(outermost_, radius);
@@ -64,7 +64,7 @@ class Circle {
 
  private:
   double edge_of(std::size_t i) const { return h_ * static_cast<double>(i + 1); }
-  /// What the i-th circle does in the middle of each ring if its radius is a.
+  /// Effect of the i-th circle at the middle of each ring if its radius is a.
   void set_circle(std::size_t i, double a) {
     edge_[i] = a;
     for (std::size_t j = 0; j < rings_; ++j) {
@@ -95,8 +95,8 @@ class Circle {
     const Eigen::VectorXd q = A.partialPivLu().solve(b);
     return {q.begin(), q.end()};
   }
-  /// Lets slip what is beyond the limit; if there is none, lets stick what slips along its
-  /// traction.
+  /// Changes rings beyond the limit from stick to slip; if there are none, changes rings that slip
+  /// in the direction of their traction to stick.
   bool changed(const std::vector<double>& q, std::size_t n, double dx,
                const std::vector<double>& limit) {
     bool any = false;
@@ -137,7 +137,7 @@ double maw_barber_fawcett(double stiffness_ratio, double incidence, int rings) {
     overlap += approach * dt;
     if (overlap <= 0) return speed;
     const double load = kH * overlap * std::sqrt(overlap);
-    // The surfaces of a solid sphere and a plane carry 2/7 of the mass.
+    // For a solid sphere and a plane, the tangential effective mass is 2/7 of the mass.
     speed -= 3.5 * circle.force_after(speed * dt, load, std::sqrt(overlap)) * dt;
     approach -= load * dt;
   }

@@ -24,7 +24,7 @@ constexpr Solid aluminium_oxide{3.8e11, 0.23, 4000}, cast_iron{1.0e11, 0.25, 700
 const char* const step_reason =
     "first touch lies within a step: 2 pi zeta/n of the damping and 1.9/n^2 of leapfrog";
 
-/// Force [N] of an undamped impact after `time` [s], by the classical Runge-Kutta method.
+/// Force [N] in an undamped impact after `time` [s], by the classical Runge-Kutta method.
 class HertzHistory {
  public:
   explicit HertzHistory(const Impact& impact)
@@ -132,7 +132,7 @@ void normal_impacts_of_chung_and_ooi(Gallery& gallery) {
 
 namespace normal_impacts_cases {
 
-/// V1 of one law: what is asked for against what comes, over the steps a contact.
+/// V1 for one law: prescribed against measured values, over the steps per contact.
 template <class Law>
 void steps_a_contact(Gallery& gallery, const std::string& law, DampingEnd end) {
   using namespace normal_impacts_cases;

@@ -14,8 +14,8 @@ namespace verification {
 
 inline constexpr double degree = std::numbers::pi / 180;
 
-/// An oblique impact and what its references make of the surface speed v_s [m/s], along x, of the
-/// ball relative to its partner. The partner is at rest before.
+/// An oblique impact and the predictions of its references for the surface velocity v_s [m/s],
+/// along x, of the ball relative to its partner. The partner is initially at rest.
 class ObliqueImpact {
  public:
   explicit ObliqueImpact(const Impact& impact)
@@ -33,12 +33,12 @@ class ObliqueImpact {
   }
   double normal_after() const { return found_.velocity.z - found_.other_velocity.z; }  // [m/s]
 
-  /// Rigid bodies with Coulomb friction lose this much while they slide [m/s].
+  /// Loss of surface velocity [m/s] of rigid bodies with Coulomb friction while they slide.
   double lost_by_sliding() const {
     return 3.5 * impact_.friction * (1 + impact_.restitution) * impact_.normal_speed();
   }
   bool slides() const { return before() >= lost_by_sliding(); }
-  /// v_s' of rigid bodies, which slide throughout or roll in the end.
+  /// v_s' of rigid bodies that slide throughout, or roll at the end.
   double rigid_after() const { return std::max(before() - lost_by_sliding(), 0.0); }
   /// v_s' by the law's own equations.
   double law_after() const { return planar_surface_speed_after(impact_, before()); }
@@ -51,7 +51,7 @@ class ObliqueImpact {
   Rebound found_;
 };
 
-/// The checks that all oblique impacts share.
+/// Checks common to all oblique impacts.
 class ObliqueChecks {
  public:
   explicit ObliqueChecks(std::string name) : name_(std::move(name)) {}
@@ -64,7 +64,7 @@ class ObliqueChecks {
     law_.compare(hit.after() / scale, hit.law_after() / scale, 3 * error);
     if (!hit.slides()) return;
     sliding_.compare((hit.before() - hit.after()) / scale, 1, error);
-    // The normal of two balls turns while they touch, by the way of one past the other.
+    // The normal of two balls rotates during contact, by the displacement of one past the other.
     const Rebound& found = hit.found();
     const double turn = given.other ? std::abs(found.velocity.x) * found.duration /
                                           (given.ball.radius + given.other->radius)
@@ -74,7 +74,7 @@ class ObliqueChecks {
     coulomb_.compare(lost / (given.friction * normal), 1,
                      1e-10 + turn * (given.friction + 1 / given.friction));
   }
-  /// How far the law is from Maw, Barber and Fawcett: the slip left, over mu v_n.
+  /// Deviation of the law from Maw, Barber and Fawcett: the remaining slip velocity, over mu v_n.
   void compare_elastic(const ObliqueImpact& hit, double elastic) {
     const double scale = hit.impact().friction * hit.impact().normal_speed();
     from_elastic_ = std::max(from_elastic_, std::abs(hit.after() - elastic) / scale);
@@ -99,7 +99,7 @@ class ObliqueChecks {
   double from_elastic_ = 0;  // [-]
 };
 
-/// A ball that meets a rigid plane.
+/// A ball that hits a rigid plane.
 inline Impact on_plane(const Solid& solid, double radius, double normal, double tangential) {
   Impact impact{.ball = {.solid = solid, .radius = radius, .velocity = {tangential, 0, -normal}}};
   impact.plane = rigid(solid);

@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
-// Oblique impacts: alumina on glass, Chung and Ooi's tests 4 and 5. Where the surfaces slide
-// throughout, rigid bodies with Coulomb friction are the exact reference; everywhere, the law's own
-// equations integrated apart. What one tangential spring leaves out where they stick in part is
-// shown by the solution of Maw, Barber and Fawcett (restitution 1) and by published points.
+// Oblique impacts: alumina on glass, Chung and Ooi's tests 4 and 5. For gross sliding, rigid bodies
+// with Coulomb friction are the exact reference; elsewhere, the law's own equations, integrated
+// separately. The effect of partial slip, which a single tangential spring lacks, is shown by the
+// solution of Maw, Barber and Fawcett (restitution 1) and by published points.
 
 #include <array>
 #include <string>
@@ -17,7 +17,8 @@ namespace oblique_impacts_cases {
 // Chung and Ooi 2011; each value read in the set-ups of these tests in Yade, Kratos and PySPH.
 constexpr Solid aluminium_oxide{3.8e11, 0.23, 4000}, aluminium_alloy{7.0e10, 0.33, 2700};
 constexpr Solid steel{2.08e11, 0.30, 7850}, polyethylene{1.0e9, 0.40, 1400};
-// Lethe's set-up of MFIX' case DEM05, the anvil of Kharaz, Gorham and Salman. Planes have no mass.
+// Lethe's set-up of MFIX' case DEM05, the anvil of Kharaz, Gorham and Salman. Planes have infinite
+// mass.
 constexpr Solid soda_lime_glass{7.0e10, 0.25, 2500};
 
 int rings(const Gallery& gallery) { return gallery.quick ? 20 : 40; }
@@ -37,8 +38,8 @@ Impact at_angle(const Solid& solid, const Solid& plane, double angle) {
   return impact;
 }
 
-/// Tangential restitution v_x'/v_x, R w [rad/s], rebound angles of surface and centre [deg] that
-/// belong to a surface speed after the impact: of what is lost, 2/7 is the centre's.
+/// Tangential restitution v_x'/v_x, R w [rad/s], and rebound angles of surface and centre [deg] for
+/// a surface velocity after the impact: the centre has 2/7 of its loss.
 std::array<double, 4> plotted(const Impact& impact, double surface_after, double normal_after) {
   const double vx = impact.ball.velocity.x, lost = vx - surface_after;
   const double centre = vx - 2.0 / 7 * lost;
@@ -125,7 +126,7 @@ void one_normal_speed(Gallery& gallery, const std::string& name, const Solid& so
   checks.write(gallery);
 }
 
-/// The reference itself: gross sliding is exact; and how far it is from finite elements.
+/// Check of the reference itself: gross sliding is exact; deviation from finite elements.
 void maw_barber_fawcett_itself(Gallery& gallery) {
   const double k = on_plane(steel, 1e-5, 5, 1).stiffness_ratio();
   Worst sliding;

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// A sphere on a plane: slopes with and without resistance to rolling, and slip that ends in
+// A sphere on a plane: slopes with and without rolling resistance, and sliding that ends in
 // rolling. References are closed forms of rigid bodies.
 
 #include <algorithm>
@@ -24,7 +24,7 @@ constexpr double mu = 0.2, mu_r = 0.1;                     // [-]
 constexpr silt::HertzMindlin::Material material{
     .youngs_modulus = 1e8, .poisson_ratio = 0.25, .restitution = 0.5, .friction = mu};
 
-/// [m] in the plane at rest under the weight m a.
+/// [m] overlap at rest on the plane under the weight m a.
 double depth(double a) {
   const double E = silt::effective_modulus(material.youngs_modulus, material.poisson_ratio,
                                            material.youngs_modulus, material.poisson_ratio);
@@ -32,7 +32,7 @@ double depth(double a) {
   return std::pow(weight / silt::hertz_stiffness(E, radius), 2.0 / 3.0);
 }
 
-/// A sphere on the plane z = 0, pressed in as at rest.
+/// A sphere on the plane z = 0, with the overlap at rest.
 auto on_plane(const Vec3d& gravity, double rolling_friction, double speed) {
   silt::Particles<silt::Sphere> one;
   one.add({.position = {0, 0, radius - depth(-gravity.z)},
@@ -73,8 +73,8 @@ void slopes(Gallery& gallery) {
       const double time = sim.time(), v = sim.velocity(0).x;
       sim.run(0.1);
       seen[k] = (sim.velocity(0).x - v) / (sim.time() - time) / -down.z;
-      // The lever arm is R less the overlap, which is a share of each of the terms; less than 1e-6
-      // of the swing into rest is left after 0.1 s.
+      // The lever arm is R minus the overlap, which changes each of the terms by that fraction;
+      // less than 1e-6 of the initial oscillation is left after 0.1 s.
       const double tolerance = tangent * depth(g) / radius + 1e-6;
       (k == 0 ? free : resisted).compare(seen[k], rigid(tangent, rolling), tolerance);
     }
@@ -97,7 +97,7 @@ void from_slip_to_roll(Gallery& gallery) {
             const double t = std::min(s.time(), rolls);
             const double v = s.velocity(0).x, w = s.angular_velocity(0).y * radius;
             const double exact_v = u0 - mu * g * t, exact_w = 2.5 * mu * g * t;
-            // In the first three steps the spring comes up to Coulomb's limit.
+            // In the first three steps the tangential spring is loaded up to Coulomb's limit.
             const double late = 3 * mu * g * s.step_length();
             course.compare(v, exact_v, late + share * u0);
             course.compare(w, exact_w, 2.5 * late + 2 * share * u0);

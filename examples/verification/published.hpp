@@ -10,8 +10,8 @@ struct PublishedPoint {
   double x, y;  // in the units of the figure
 };
 
-/// Points of one series of reference/published.csv, whose sources are in reference/README.md.
-/// Throws silt::FileError if there are none.
+/// Points of one series of reference/published.csv; its sources are in reference/README.md. Throws
+/// silt::FileError if there are none.
 std::vector<PublishedPoint> published(const std::string& figure, const std::string& series);
 
 }  // namespace verification

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// Balls that spin before they meet a plane or each other: Chung and Ooi's tests 6, 7 and 8.
+// Impacts of spinning spheres on a plane and on each other: Chung and Ooi's tests 6, 7 and 8.
 
 #include <string>
 
@@ -15,7 +15,7 @@ constexpr Solid copper{1.2e11, 0.35, 8900};
 constexpr double radius = 0.1, speed = 0.2;          // [m], [m/s] of approach
 constexpr double restitution = 0.5, friction = 0.4;  // [-]
 
-/// A ball that spins and comes down on a partner at rest.
+/// A spinning ball that moves down onto a partner at rest.
 void spinning_ball(Gallery& gallery, const std::string& name, const Impact& kind) {
   auto table = gallery.table(
       name, {"incidence [-]", "recoil [-]", "3.5 mu (1 + e) v_n over v_s [-]", "beta [-]",
@@ -34,7 +34,8 @@ void spinning_ball(Gallery& gallery, const std::string& name, const Impact& kind
   checks.write(gallery);
 }
 
-/// Two equal balls that spin so that their surfaces run alike where they meet: nothing slips.
+/// Two equal balls that spin so that their surfaces have no relative velocity at the contact: no
+/// slip.
 void opposite_spins(Gallery& gallery, const std::string& name, const Solid& solid) {
   auto table =
       gallery.table(name, {"angular velocity before [rad/s]", "tangential velocity after [m/s]",

@@ -22,7 +22,7 @@ struct Solid {
   double density;         // [kg/m3]
 };
 
-/// `solid` made so much stiffer that it counts as rigid: what Chung and Ooi's planes are.
+/// `solid` made stiff enough to count as rigid, as Chung and Ooi's planes.
 inline Solid rigid(Solid solid) {
   solid.youngs_modulus *= 1000;
   return solid;
@@ -37,7 +37,7 @@ struct Ball {
   double mass() const { return solid.density * silt::Sphere::volume(radius); }
 };
 
-/// A ball that comes down on the plane z = 0, or on another ball below it.
+/// A ball that falls on the plane z = 0, or on another ball below it.
 struct Impact {
   Ball ball;
   Solid plane{};                   // counts if there is no other ball
@@ -67,7 +67,7 @@ struct Impact {
                                          partner().youngs_modulus, partner().poisson_ratio) /
            modulus_of_solids();
   }
-  /// Of approach [m/s].
+  /// Approach speed [m/s].
   double normal_speed() const { return (other ? other->velocity.z : 0) - ball.velocity.z; }
   silt::HertzImpact hertz(silt::DampingEnd end) const {
     return {E_eff(), R_eff(), m_eff(), normal_speed(), silt::damping_ratio(restitution, end)};
@@ -77,7 +77,7 @@ struct Impact {
   }
 };
 
-/// During the contact; the force along the normal.
+/// Quantities during the contact; the force along the normal.
 struct Moment {
   double time, overlap, force;  // [s] since touch, [m], [N]
 };
@@ -127,8 +127,8 @@ auto scene_of(const Impact& impact) {
   return sim;
 }
 
-/// Lets it happen in a Simulation. The force is the second difference of the distance, which
-/// leapfrog makes of it exactly, so that planes and balls are measured alike.
+/// Runs the impact in a Simulation. The force is the second difference of the distance; for
+/// leapfrog this is exact, for planes and balls alike.
 template <class Law>
 Rebound strike(const Impact& impact) {
   auto sim = scene_of<Law>(impact);
@@ -160,8 +160,8 @@ Rebound strike(const Impact& impact) {
   return out;
 }
 
-/// Relative error that `steps` a contact may leave in restitution, overlap and force: the dashpot's
-/// force sets in within a step, up to one step of it too much or too little, 2 pi zeta/n, and
+/// Allowed relative error with `steps` per contact in restitution, overlap and force: the dashpot's
+/// force starts at some instant within a step, an error of up to one step of it, 2 pi zeta/n, plus
 /// leapfrog's own 1.9/n^2 (tests/physics/impact.cpp).
 inline double step_error(double zeta, double steps) {
   return 2 * std::numbers::pi * zeta / steps + 1.9 / (steps * steps);

@@ -46,29 +46,28 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A particle simulation, composed from one policy an axis. Policies come in any order:
+/// A particle simulation, composed of one policy per axis, in any order:
 ///
 ///   silt::Simulation sim{std::move(beads), silt::Contacts<silt::HertzMindlin>{glass}};
-///
 // clang-format off
-///   axis        policy                                          left out
-///   particles   Particles<Shape>                                must be given
-///   contact     Contacts<Law, Options...>                       must be given
+///   axis        policy                                          default
+///   particles   Particles<Shape>                                required
+///   contact     Contacts<Law, Options...>                       required
 ///   search      VerletList<Finder>, or a finder itself          VerletList<HashedGrid>, automatic skin
 ///   domain      OpenDomain, PeriodicBox, DeformingBox           OpenDomain
 ///   fluid       CoupledFlow, CoupledMesh, PrescribedFlow, ...   NoFluid
 ///   precision   Double, Mixed                                   Double
 ///   kernels     KernelsFor<Arch>                                what the compile flags allow
 ///   integrator  Leapfrog, SymplecticEuler, Gear                 Leapfrog
-///   rotation    NoSquish, Spiral: of bodies                     NoSquish
-///   ledger      EnergyLedger                                    no books of the energy
-///   events      ContactEvents                                   nobody is told of contacts
-///   modules     Field<"name">, BodyForce, structs of one's own  none; any number of them
+///   rotation    NoSquish, Spiral: for bodies                    NoSquish
+///   ledger      EnergyLedger                                    no energy balance
+///   events      ContactEvents                                   no contact events
+///   modules     Field<"name">, BodyForce, user-defined structs  none; any number of them
 // clang-format on
 ///
-/// Lengths in m, times in s, masses in kg. Errors: InputError for values and combinations that
-/// cannot be used, SimulationError for a run that breaks a limit of `guard`; policies that do not
-/// make a simulation: a sentence at compile time (simulation/refused_simulation.hpp).
+/// Units: lengths in m, times in s, masses in kg. Errors: InputError for values and combinations
+/// that cannot be used; SimulationError if a run exceeds a limit of `guard`; a compile-time message
+/// for policies that do not form a simulation (simulation/refused_simulation.hpp).
 template <class... Policies>
 class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
                    public detail::ModuleAccess<Simulation<Policies...>>,
@@ -99,7 +98,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   static constexpr bool has_ranks = Composition::has_ranks;
   /// Particles are rigid bodies with an orientation, of one part or several.
   static constexpr bool of_bodies = Composition::of_bodies;
-  /// ... whose shape is no set of spheres.
+  /// Bodies whose shape is not a set of spheres.
   static constexpr bool has_surfaces = Composition::has_surfaces;
   static constexpr bool has_ledger = Composition::has_ledger;
   static constexpr bool has_events = Composition::has_events;
@@ -119,8 +118,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
       "a law with a safeguard (Softened) turns a velocity within one step, which Gear spreads over "
       "several, beyond what is wanted: take Leapfrog");
 
-  /// State of one particle [bytes]: no more than the policies need. Of bodies: of each part;
-  /// bytes_per_body come once a body.
+  /// State of one particle [bytes]: no more than the policies need. For bodies: of each part, plus
+  /// bytes_per_body for each body.
   static constexpr std::size_t bytes_per_particle = Engine::State::bytes_per_particle;
   static constexpr std::size_t bytes_per_body =
       of_bodies ? sizeof(detail::Body) +
@@ -133,11 +132,11 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
                                       sizeof(typename Precision::PairScalar);
 
   Vec3d gravity{0, 0, 0};           // [m/s2]
-  std::optional<double> time_step;  // [s]; left out: a 20th of the shortest contact
+  std::optional<double> time_step;  // [s]; if not set: a 20th of the shortest contact
   int threads = default_threads();  // results do not depend on it
   Guard guard;
-  /// Whether steps that a program's own observers see, and the last one of a run, keep their
-  /// contacts for for_each_contact(): unless set, if the program calls it anywhere.
+  /// Whether steps with an observer written by the user, and the last step of a run, record their
+  /// contacts for for_each_contact(). Default: if the program calls that function anywhere.
   bool keep_contacts = detail::asks_for_contacts<Simulation>;
 
   template <class... Args>
@@ -164,7 +163,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   // --- the scene ----------------------------------------------------------------------------
 
   /// Adds a wall of material `solid`, which may move; returns its number. Pose 0 is that at time 0.
-  /// More of walls: WallSetup, and WallAccess for what is read and changed.
+  /// See also WallSetup, and WallAccess for reading and changing walls.
   std::size_t add_wall(Surfaces surfaces, const typename ContactsType::Material& solid,
                        WallSetup setup = {});
   template <std::convertible_to<Motion> M>
@@ -172,20 +171,20 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     return add_wall(std::move(surfaces), solid, WallSetup{.motion = std::move(motion)});
   }
 
-  /// Adds more particles now. Returns the number in forms() of each of their forms: a new one, or
-  /// that of an equal form which the simulation has already; of spheres nothing.
+  /// Adds further particles now. Returns the number in forms() of each of their forms: a new one,
+  /// or that of an equal form already present; empty for spheres.
   std::vector<std::size_t> add(const ParticlesType& more);
-  /// Deforms the box from the next step on as `how` says (DeformingBox).
+  /// Deforms the box from the next step on as described by `how` (DeformingBox).
   void deform(const Deformation& how) requires(detail::deforms<Domain>) {
     detail::refuse_tension<typename ContactsType::Law>(how);
     domain_.deform(how), scene_changed_ = true;
   }
-  /// Adds what an inlet has placed.
+  /// Adds the particles placed by an inlet.
   double insert(const std::vector<PlacedSphere>& spheres, const std::vector<std::size_t>& kinds,
                 const InletFlow& flow, Random& random);
   /// Whether several parts of a body that press on one partner share the stiffness of a contact
-  /// (engine/contact/shared_contacts.hpp); true unless set. Without, a body is the stiffer the more
-  /// parts it touches with.
+  /// (engine/contact/shared_contacts.hpp); default true. Otherwise a body becomes stiffer the more
+  /// parts touch.
   void share_contacts(bool yes) requires(of_bodies && !SolidShape<ShapeType>) {
     engine_.share_contacts = yes;
   }
@@ -206,7 +205,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void run_steps(double duration, Observers&... observers);
 
  public:
-  // --- what observers and users read --------------------------------------------------------
+  // --- reading --------------------------------------------------------------------------
 
   double time() const { return time_; }        // [s]
   std::int64_t step() const { return step_; }  // [-] steps done
@@ -219,22 +218,22 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   using Readings::size, Readings::rows, Readings::id, Readings::is_present, Readings::position,
       Readings::radius, Readings::mass, Readings::velocity, Readings::angular_velocity,
       Readings::material, Readings::find;
-  /// Where the energy is and where it went; when the simulation is not running, or in an observer
+  /// The energy balance; call it when the simulation is not running, or in an observer
   /// (collective).
   EnergyBalance energy() const { return balance(); }
-  /// What the fluid has given to particle k [N s] that velocity(k) does not have yet, as the flow
-  /// is ahead of the particles; while they are observed, or after run().
+  /// The impulse of the fluid on particle k [N s] that velocity(k) does not yet include, because
+  /// the flow is ahead of the particles; valid while they are observed, or after run().
   Vec3d due_from_fluid(std::size_t k) const;
   const ContactsType& contacts() const { return contacts_; }
   const Domain& domain() const { return domain_; }
   const Search& search() const { return search_; }
   Engine& engine() { return engine_; }
   const Engine& engine() const { return engine_; }
-  /// [-] of the radius: in the last step, and the largest since the start.
+  /// [-] relative to the radius: in the last step, and the largest since the start.
   double largest_overlap() const { return engine_.largest_overlap; }
   double peak_overlap() const { return peak_overlap_; }
   /// The largest time step that guard allows at `speed` [m/s] of the fastest points of particles
-  /// (docs/stability.md, Spin); none if the law has no closed form.
+  /// (docs/stability.md, Spin); empty if the law has no closed form for the contact time.
   std::optional<double> time_step_limit(double speed) const;
 
  private:
@@ -298,7 +297,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   double coming_step() const;
   void change_step(double dt);
   void follow_sizes();
-  std::int64_t last_step(double end) const {  // a rounding of times is no step
+  std::int64_t last_step(double end) const {  // a difference within rounding is not a step
     return step_ + static_cast<std::int64_t>(std::ceil((end - time_) / dt_ - 1e-6));
   }
   detail::SurfaceSpeed surface_speed(std::size_t k) const;
@@ -359,17 +358,17 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   static constexpr double clock_rounding = 1e-3;  // [-] of a step
   static constexpr double first_wall_kick =
       Integrator::derivatives > 0 ? 0.5 : Integrator::first_kick;
-  Vec3d gravity_booked_{0, 0, 0};  // [m/s2] that the ledger reckons with
+  Vec3d gravity_booked_{0, 0, 0};  // [m/s2] in the ledger
   double time_ = 0, dt_ = 0, time_origin_ = 0;
   std::int64_t step_ = 0, step_origin_ = 0;
-  std::int64_t flux_every_ = 1;  // [steps] that modules' fluxes are held
+  std::int64_t flux_every_ = 1;  // [steps] for which the fluxes of modules are held
   double checked_speed_ = 0, checked_overlap_ = 0, peak_overlap_ = 0;
   detail::NextIds next_;
   bool first_kick_ = true, kicked_ = false, observed_ = false, continued_ = false;
   detail::ContactsKept kept_ = detail::ContactsKept::Nothing;  // of the present step
   bool scene_changed_ = false;                                 // since the last run began
   [[no_unique_address]] std::conditional_t<has_ranks, detail::RanksScene, Nothing> ranks_scene_;
-  bool laws_changed_ = false;    // by what a restart accepted, until its run begins
+  bool laws_changed_ = false;    // by a restart that accepted them, until its run begins
   std::int64_t scene_step_ = 0;  // when particles or walls were last added
   detail::OverlapLimits overlap_limits_;
 };

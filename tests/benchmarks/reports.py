@@ -61,6 +61,8 @@ elif name in ("bench_bed", "bench_bed_ranks"):
             (0, 0, high), (w, 0, high), (w - a, a, low), (a, a, low)))
     elif words[0] == "time":
         print("seconds 0.1 kinetic_energy 1e-6 contacts 1 overlap 0.01 megabytes 1")
+        if name == "bench_bed_ranks":
+            print("percent_of_time 1.0+0.5+2.0 1.0+0.5+2.0")
         with open(words[6], "w") as f:
             f.write(f"Atoms {words[7]}\n\n" + "".join(f"{k + 1} 1 0.0043 2500 4.5 2 0.01\n" for k in range(N)))
     else:

@@ -75,13 +75,16 @@ Books books_of(Sim& sim, Seen& seen) {
   double impacts = 0;
   for (const auto& c : sim.impact_energies().table())
     impacts += static_cast<double>(c.at_walls + c.in_pairs);
-  return {
-      {static_cast<double>(sim.size()), static_cast<double>(sim.broken()),
-       static_cast<double>(sim.broken(silt::BreakCause::Pair)),
-       static_cast<double>(sim.broken(silt::BreakCause::Asked)), impacts,
-       static_cast<double>(sim.outlet(0).count)},
-      {m.fed, m.present, m.left, m.dust, sim.dust().mass(), sim.left().mass(), sim.dust().number()},
-      sim.energy()};
+  const auto there = silt::sizes_present(sim);
+  const silt::LargestLoad load = sim.largest_load();
+  return {{static_cast<double>(sim.size()), static_cast<double>(sim.broken()),
+           static_cast<double>(sim.broken(silt::BreakCause::Pair)),
+           static_cast<double>(sim.broken(silt::BreakCause::Asked)), impacts,
+           static_cast<double>(sim.outlet(0).count), static_cast<double>(load.weighed),
+           static_cast<double>(there.number())},
+          {m.fed, m.present, m.left, m.dust, sim.dust().mass(), sim.left().mass(),
+           sim.dust().number(), there.mass(), load.share},
+          sim.energy()};
 }
 template <class... Policies>
 Books fall(Seen& seen, Broken& breaks, double time, Policies... policies) {

@@ -40,6 +40,15 @@ struct SmallList {
     silt::require(pairs.size() <= most, "there is room for ", most, " pairs");
   }
 };
+/// A place for inlets that one rank cannot tell any more after some time.
+struct FailingRegion : silt::BoxRegion {
+  mutable int looks = 0;
+  int most = 1 << 20;
+  bool fits(const silt::Vec3d& centre, double radius) const {
+    silt::require(++looks <= most, "nobody knows what fits");
+    return silt::BoxRegion::fits(centre, radius);
+  }
+};
 /// A module that fails between two steps.
 struct FailingModule {
   struct Fields {
@@ -114,6 +123,22 @@ TEST_CASE("ranks: what one rank throws in the middle of a search, all throw") {
     return trough(ranks(comm), silt::VerletList<SmallList>{
                                    .finder = {.grid = {}, .most = comm.rank() == 0 ? 5u : 9999u}});
   });
+}
+
+// The others would wait for the ghosts of the rank that failed, or take what it says at a later
+// inlet for what it says at this one.
+TEST_CASE("ranks: what one rank throws at an inlet, all throw") {
+  for (const int failing : {0, 1})
+    check_told(silt::text("rank 2 of 3: nobody knows what fits"), [=](const auto& comm) {
+      auto sim = trough(ranks(comm));
+      for (int k = 0; k < 2; ++k) {
+        FailingRegion region;
+        region.box = {{0.01, 0.005, 0.06 + 0.015 * k}, {0.1, 0.035, 0.07 + 0.015 * k}};
+        if (comm.rank() == 2 && k == failing) region.most = 20;
+        sim.add_inlet(region, {.radius = 1e-3, .density = 2500, .rate = 5000, .interval = 2e-3});
+      }
+      return sim;
+    });
 }
 
 TEST_CASE("ranks: what a module throws between two steps on one rank, all throw") {

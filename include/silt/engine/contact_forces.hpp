@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of Engine: the forces of contacts, and what flows through them.
+// Parts of Engine: contact forces, and the module fluxes through contacts.
 
 #include <silt/engine/engine.hpp>
 

@@ -23,8 +23,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The state of a simulation, and each stage of a time step as a function of it. The engine knows
-/// the policies, but no observers and no files; Simulation calls the stages in their order.
+/// The state of a simulation, with one function per stage of a time step. The engine knows the
+/// policies but neither observers nor files; Simulation calls the stages in order.
 template <class Composition>
 class Engine : public Tables<Composition> {
   using ContactsType = typename Composition::Contacts;
@@ -40,14 +40,14 @@ class Engine : public Tables<Composition> {
   using RotationType = typename Composition::Rotation;
   static constexpr bool rotates = ContactsType::rotates;
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
-  static constexpr std::size_t history = ContactsType::history;  // Reals of a contact
+  static constexpr std::size_t history = ContactsType::history;  // Scalars of history per contact
   static constexpr ContactMemory<ContactsType> memory{};
   static_assert(memory.is_whole());
-  using Scalar = typename Composition::Scalar;  // of the work on pairs
+  using Scalar = typename Composition::Scalar;  // precision of the pair computations
   static constexpr bool predicts = Integrator::derivatives > 0;
   static constexpr bool of_ranks = Composition::has_ranks;
-  static constexpr bool of_bodies = Composition::of_bodies;  // rows are parts of them
-  static constexpr bool convex = Composition::has_surfaces;  // with narrow phases of their own
+  static constexpr bool of_bodies = Composition::of_bodies;  // rows are parts of bodies
+  static constexpr bool convex = Composition::has_surfaces;  // convex surfaces with narrow phases
   using Modules = typename Composition::Modules;
   using typename Tables<Composition>::State, typename Tables<Composition>::Mover;
   using Tables<Composition>::particles, Tables<Composition>::mover;
@@ -64,26 +64,26 @@ class Engine : public Tables<Composition> {
   [[no_unique_address]] RankStage<typename Composition::Ranks> ranks;
   Lists lists;
   CoefficientTable<ContactsType> coefficients;
-  double largest_speed = 0;      // [m/s] of surfaces: Pace
-  double largest_share = 0;      // [1/s] largest speed over inner reach
-  double largest_overlap = 0;    // [-] over the smaller radius, in the last step
-  bool finite = true;            // all velocities, after the last kick
-  bool share_contacts = true;    // of bodies: SharedContacts
-  ContactRecord record;          // of the last step, if somebody asks
-  std::uint64_t safeguards = 0;  // [-] contacts that a law's safeguard has ended, since the start
+  double largest_speed = 0;      // [m/s] of particle surfaces: Pace
+  double largest_share = 0;      // [1/s] largest ratio of speed to inner reach
+  double largest_overlap = 0;    // [-] relative to the smaller radius, in the last step
+  bool finite = true;            // all velocities were finite after the last kick
+  bool share_contacts = true;    // parts of one body share contact stiffness: SharedContacts
+  ContactRecord record;          // of the last step, if it was requested
+  std::uint64_t safeguards = 0;  // [-] contacts ended by a law's safeguard since the start
   [[no_unique_address]] VirialOf<ContactsType> virial;  // of the last step
   EnergyOf<ContactsType, double> contact_energy = start_energy<ContactsType, double>();
   static constexpr bool has_events = keeps_events<ContactsType>;
   [[no_unique_address]] ImpactsOf<ContactsType> impacts;  // of the last step
-  double parted = 0;                                      // [J] likewise
+  double parted = 0;  // [J] released by shrinking offsets, in the last step
   [[no_unique_address]] std::conditional_t<has_events, ContactLog, NoContactLog> events;
 
   struct NoBreaks {};
   struct NoDue {};
-  /// On many ranks whether bonds break in this step, on any of them.
+  /// With several ranks: whether bonds break in this step on any rank.
   [[no_unique_address]] std::conditional_t<of_ranks && Composition::has_bonds, bool, NoBreaks>
       bonds_break{};
-  /// ... whether particles are due to break.
+  /// With several ranks: whether particles are due to break on any rank.
   [[no_unique_address]] std::conditional_t<of_ranks && Composition::has_breakage, bool, NoDue>
       breaks_due{};
 
@@ -95,7 +95,7 @@ class Engine : public Tables<Composition> {
   void set_coefficients(const Contacts& contacts) {
     coefficients = coefficients_of(contacts);
   }
-  /// Likewise of what flows through contacts for modules.
+  /// The same for module fluxes through contacts.
   template <class Stage, class Contacts>
   void set_flux_coefficients([[maybe_unused]] const Stage& stage,
                              [[maybe_unused]] const Contacts& contacts) {
@@ -106,27 +106,27 @@ class Engine : public Tables<Composition> {
     return coefficient_table<ContactsType>(contacts);
   }
 
-  /// Brings the last `more` rows, which have just come, in front of the ghosts. The next step
-  /// searches.
+  /// Moves the last `more` rows, which were just added, in front of the ghosts. The next step runs
+  /// a search.
   void join_own(std::size_t more) requires(Composition::has_ranks);
-  /// Takes the rows from `first` on, which have just come, into the lists.
+  /// Adds the new rows, from `first` on, to the lists.
   void join_lists(const Domain& domain, double time_step, std::size_t first);
-  /// Adds pairs whose bonds have just broken to the lists. Their contacts start without the overlap
-  /// that they have now.
+  /// Adds pairs whose bonds have just broken to the lists. The present overlap of these pairs is
+  /// excluded from their contacts.
   void join_pairs(const Domain& domain, double time_step, std::span<const IndexPair> pairs);
   /// The row of the sphere with this id, which may be a ghost; the number of rows if there is none.
   std::size_t row_of(ParticleId id) const;
-  /// Loads on the rows, 4 * chunks Scalars each, between the contacts and the integration.
+  /// Load sums of the rows, 4 * chunks Scalars each; valid between contacts and integration.
   Scalar* load_sums() { return sums_.data(); }
-  /// Removes the particle at place k, at any time. park() alone is allowed only just before a
-  /// pruning.
+  /// Removes the particle at place k; may be called at any time, unlike park(), which is allowed
+  /// only just before a pruning.
   void remove(std::size_t k, const Domain& domain, double time_step) {
     remove_all({&k, 1}, domain, time_step);
   }
-  /// Likewise those at several places.
+  /// The same for several places.
   void remove_all(std::span<const std::size_t> places, const Domain& domain, double time_step);
-  /// Ends all contacts of ghosts whose particles were removed on their own ranks; is_gone(id) says
-  /// of which.
+  /// Ends all contacts of ghosts whose particles were removed on their owning ranks; is_gone(id)
+  /// identifies these particles.
   template <class IsGone>
   void park_ghosts(const IsGone& is_gone) requires(Composition::has_ranks);
   /// Sets the radius [m] of the particle at place k; for a body, that of its bounding sphere.
@@ -135,18 +135,18 @@ class Engine : public Tables<Composition> {
     Tables<Composition>::set_material(k, static_cast<std::uint16_t>(material));
     lists.follow_change();
   }
-  /// To be called after the motion of the particle at place k was changed.
+  /// Must be called after the velocity of the particle at place k was changed.
   void follow_change(std::size_t k) {
     this->follow_motion(k);
-    if constexpr (!of_bodies) include_share(k);  // bodies measure it when they drift
+    if constexpr (!of_bodies) include_share(k);  // for bodies it is computed in drift()
   }
-  /// Prunes or searches where the lists no longer hold, and renews what follows from them.
+  /// Prunes or searches if the lists are no longer valid, and updates all data derived from them.
   void renew_lists(Search& search, const Domain& domain, std::int64_t step, double time_step);
 
   // --- forces -------------------------------------------------------------------------------
 
-  /// What flows through contacts for modules: prepared before the contacts of a step, collected
-  /// after them.
+  /// Fluxes of modules through contacts: prepared before the contacts of a step, collected after
+  /// them.
   template <class Stage>
   void prepare_fluxes(const Stage& stage, double time, FluxLook look);
   void collect_fluxes();
@@ -157,18 +157,19 @@ class Engine : public Tables<Composition> {
   Fluxes& fluxes() { return fluxes_; }
 
   void pair_forces(const Domain& domain, const StepTimes& times);
-  /// The forces between spheres and ghosts, once the state of the ghosts has arrived.
+  /// Forces between owned spheres and ghosts, once the state of the ghosts has arrived.
   void ghost_forces(const Domain& domain, const StepTimes& times) requires(Composition::has_ranks);
   template <PairsOf Which>
   Tally<ContactsType> sphere_pairs(const Domain& domain, const StepTimes& times);
   void take(const Tally<ContactsType>& tally);
 
   void wall_forces(const StepTimes& times);
-  /// Adds the tally of more contacts to that of the step.
+  /// Adds the tally of further contacts to that of the step.
   template <class MoreTally>
   void include(const MoreTally& tally);
 
-  /// Power [W] of the contacts on fixed particles that move, before the loads are integrated.
+  /// Power [W] of contact forces on prescribed (fixed) particles that move; call before loads are
+  /// integrated.
   double power_on_fixed() const {
     return detail::power_on_fixed<ContactsType>(particles, sums_.data());
   }
@@ -177,71 +178,70 @@ class Engine : public Tables<Composition> {
     return walls.empty() ? std::nullopt : wall_pipeline_.crowded();
   }
 
-  /// Kicks driven walls for `kick_time` [s] by the loads of this step (push_wall()). On many ranks
-  /// the loads of all ranks must be known.
+  /// Kicks driven walls for `kick_time` [s] by the loads of this step (push_wall()). With several
+  /// ranks the loads of all ranks must have been summed before.
   void push_walls(const Vec3d& gravity, double kick_time, double time_step, bool first_kick);
-  /// Notes the stiffness at servo walls of this rank's contacts, which push_walls() needs; to be
+  /// Records the contact stiffness at this rank's servo walls, which push_walls() needs; must be
   /// called before particles move on.
   void look_at_servos() requires(Composition::has_ranks);
   // --- integration --------------------------------------------------------------------------
 
   using Advance = detail::Advance;
 
-  /// Kicks the particles for `kick_time` [s] by their loads, and lets them drift for `time_step`
-  /// [s]; or stops between kick and drift and records the state at the whole step (kick_time: since
-  /// then).
+  /// Kicks particles for `kick_time` [s] by their loads and drifts them for `time_step` [s]. For an
+  /// observed step it stops between kick and drift and records the state at the whole step
+  /// (kick_time: time since then).
   void integrate(Advance how, const Vec3d& gravity, double kick_time, double time_step,
                  bool first_kick);
-  /// Does the work of a step, which may set `observed`, on all ranks alike. Afterwards all ranks
-  /// know the largest speed and overlap of all, or all throw what one of them has thrown
-  /// (collective).
+  /// Runs `work`, which may set `observed`, on all ranks (collective). Afterwards every rank knows
+  /// the largest speed and overlap over all ranks; if one rank has thrown, all ranks throw.
   template <class Work>
   void together(const char* call, double time_step, const bool& observed,
                 const Work& work) requires(Composition::has_ranks);
   void agree(const char* call,
              const std::exception_ptr& error = nullptr) requires(Composition::has_ranks);
-  /// Starts to send the ghosts the positions and motions that they have on their own ranks.
+  /// Starts sending ghosts the positions and velocities of their owning ranks.
   void refresh_ghosts() requires(Composition::has_ranks) { ranks.begin_refresh(particles, mover); }
-  /// Starts and waits: for the time between kick and drift of an observed step, when ghosts are a
-  /// kick behind.
+  /// Starts the update of ghosts and waits for it. Used between kick and drift of an observed step,
+  /// when ghosts lag by one kick.
   void refresh_ghosts_now() requires(Composition::has_ranks) {
     refresh_ghosts(), ranks.finish_refresh(particles, mover);
   }
-  /// Prepares a time step that is `ratio` times as long; after an observed state.
+  /// Prepares a time step that is `ratio` times as long; call after an observed state.
   void change_step(double ratio) {
     mover.change_step(particles, ratio);
     for (auto& wall : walls) change_wall_step(wall, ratio);
     particles.renew_pair_motion(*team_);
   }
-  /// Tells the lists of velocities that have changed between kick and drift.
+  /// Informs the lists of velocities that were changed between kick and drift.
   void include_speeds() {
     for (std::size_t k = 0; !of_bodies && k < particles.size(); ++k) include_share(k);
   }
   /// Completes a step that was observed.
   void drift(double time_step);
 
-  // --- a box that deforms -------------------------------------------------------------------
+  // --- deforming box ------------------------------------------------------------------------
 
-  /// Chooses the box's rates for the next step and changes the velocities of particles by them.
+  /// Chooses the box's rates for the next step and changes particle velocities accordingly.
   void kick_box(Domain& box, double time_step, bool first, bool observed);
-  /// Corrects the recorded velocities to those of this instant, after an observed kick.
+  /// Corrects the recorded velocities to the present time, after an observed kick.
   void record_flow(const Domain& box);
-  /// Deforms the box for a step, after the particles have drifted.
+  /// Deforms the box by one step, after the particles have drifted.
   void move_box(Domain& box, double time_step);
 
-  /// [-] that overlap. A pair of two ranks counts where its first particle is owned.
+  /// [-] that overlap. A pair shared by two ranks is counted by the owner of its first particle.
   std::size_t touching_pairs(const Domain& domain) const;
-  /// [m] radius of the smallest sphere, or of the inscribed sphere of the thinnest convex body.
+  /// [m] radius of the smallest sphere, or of the smallest inscribed sphere of the convex bodies.
   double least_radius() const {
     if constexpr (convex)
       return mover.convex_rows.least_radius;
     else
       return particles.smallest_radius;
   }
-  /// The force [N] of contacts on particle k, before the loads are integrated.
+  /// The contact force [N] on particle k; valid before the loads are integrated.
   Vec3d contact_force(std::size_t k) const;
   const Team& team() const { return *team_; }
-  /// Completes a restored state.
+  /// Completes a state restored from a checkpoint.
   void restored(double speed, double overlap, double share) {
     largest_speed = speed, largest_overlap = overlap, largest_share = share;
     record.forget();
@@ -260,18 +260,18 @@ class Engine : public Tables<Composition> {
  private:
   void include_share(std::size_t row) {
     const auto& per_inner2 = lists.upkeep.per_inner2;
-    if (row >= per_inner2.size()) return;  // a search comes next
+    if (row >= per_inner2.size()) return;  // the next step searches anyway
     const Vec3d v = particles.motion[row].velocity();
     largest_share = std::max(largest_share, std::sqrt(dot(v, v) * per_inner2[row]));
   }
-  /// What the lists are made of, as it is now.
+  /// The present input of the lists.
   typename Lists::Scene scene(const Domain& domain, double time_step) {
     return {particles, walls,     domain,
             *team_,    time_step, largest_range(coefficients, particles.largest_radius),
             ranks,     mover};
   }
-  /// Whether paces of bodies are relative to the mean velocity that all ranks have agreed on. One
-  /// rank alone takes the mean of the step, as one process does.
+  /// Whether body speeds are measured relative to the mean velocity that all ranks have agreed on.
+  /// A single rank uses the mean of the step, as a single process does.
   bool has_agreed_mean() const {
     if constexpr (of_ranks)
       return ranks.size() > 1;
@@ -286,8 +286,8 @@ class Engine : public Tables<Composition> {
   }
   void note(const ContactNotes& notes);
 
-  // [bytes] Prefetching pays above this size: it exceeds second-level caches and a fair share of a
-  // last-level cache.
+  // [bytes] Prefetching pays off above this size, which exceeds second-level caches and a fair
+  // share of a last-level cache.
   static constexpr std::size_t beyond_caches = 4 << 20;
 
   // Pairs with ghosts are computed after the others, except for bodies: SharedContacts needs all
@@ -316,9 +316,9 @@ class Engine : public Tables<Composition> {
   [[no_unique_address]] mutable std::conditional_t<of_ranks, std::uint64_t, NoGhosts> ghosts_of_{};
   struct NoKick {};
   [[no_unique_address]] std::conditional_t<deforms<Domain>, DeformingBox::Kick, NoKick> box_kick_{};
-  AlignedVector<Scalar> sums_;  // [N] load on each particle, zero between the steps
+  AlignedVector<Scalar> sums_;  // [N] load on each particle; zero between steps
   std::vector<std::uint16_t> kinds_;
-  bool offsets_ = Composition::has_breakage;  // of pairs: there may be some (WithOffset)
+  bool offsets_ = Composition::has_breakage;  // some pairs may have an offset (WithOffset)
 };
 
 }  // namespace silt::detail

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of Engine: driven walls, particles and a box that deforms move on by a step.
+// Parts of Engine: integration of driven walls, particles and a deforming box.
 
 #include <silt/engine/advance/box_flow.hpp>
 #include <silt/engine/engine.hpp>
@@ -38,7 +38,7 @@ inline void Engine<Composition>::integrate(Advance how, const Vec3d& gravity, do
 
 template <class Composition>
 inline void Engine<Composition>::drift(double time_step) {
-  // Particles that were added since the lists were made have no reach: a search comes next.
+  // Particles added since the lists were made have no reach yet; the next step searches.
   const auto& reach = lists.upkeep.per_inner2;
   const double* const per_inner2 = reach.size() < particles.size() ? nullptr : reach.data();
   largest_share =

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of Engine: what it does on many ranks alone.
+// Parts of Engine that are used with several ranks only.
 
 #include <algorithm>
 #include <array>
@@ -40,7 +40,7 @@ void Engine<Composition>::park_ghosts(const IsGone& is_gone) requires(Compositio
   if constexpr (of_bodies) end = mover.bodies.size();
   for (std::size_t k = this->owners(); k < end; ++k)
     if (const ParticleId id = this->owner(k).id(); id != no_particle && is_gone(id)) this->park(k);
-  particles.parked = parked;  // which counts own ones
+  particles.parked = parked;  // counts owned particles only
 }
 
 template <class Composition>

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of Engine: the lists follow particles that come, go or change, and are renewed.
+// Parts of Engine: updates of the lists when particles come, leave or change; renewal of the lists.
 
 #include <algorithm>
 #include <array>
@@ -42,7 +42,7 @@ inline std::size_t Engine<Composition>::row_of(ParticleId id) const {
         ghost_rows_[particles.id[row]] = row;
     }
     const auto found = ghost_rows_.find(id);
-    // One that was removed stands there until the next search.
+    // A removed ghost keeps its row until the next search.
     if (found == ghost_rows_.end() || particles.id[found->second] != id) return particles.size();
     return found->second;
   }
@@ -98,7 +98,7 @@ inline void Engine<Composition>::renew_lists(Search& search, const Domain& domai
   }
   if constexpr (ContactsType::several_materials)
     make_kinds(lists.pairs, particles.material, coefficients.materials, *team_, kinds_);
-  sums_.resize(particles.size() * 4 * chunks, 0);  // all zero between the steps
+  sums_.resize(particles.size() * 4 * chunks, 0);  // all zero between steps
   particles.renew_pair_motion(*team_);
 }
 

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Which stages a shape's contacts go through, and what they keep.
+// Which pipelines compute the contacts of a shape, and what these store.
 
 #include <silt/engine/contact/shape_inertia.hpp>
 #include <silt/engine/contact/shared_contacts.hpp>
@@ -29,7 +29,7 @@ struct ContactsOf<ShapeType, Contacts> {
   using type = WithNormals<Contacts, points_of_contacts<typename ShapeType::Kinds>>;
 };
 
-/// By whether bodies have convex parts. `Repeats`: walls do, with a box.
+/// Selected by whether bodies have convex parts. `Repeats`: walls repeat with a periodic box.
 template <bool Convex>
 struct WallStageOf {
   template <class, class ContactsType, class Arch, class Scalar, class Fluxes, bool Repeats>

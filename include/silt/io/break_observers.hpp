@@ -126,7 +126,7 @@ inline auto breakage_table(const std::string& path, Schedule schedule) {
 
 /// Particles present, by diameter (polyhedra: of the sphere of equal volume), as a size table that
 /// can be merged with dust() and left(). For one material, by number or name, or for all. On many
-/// ranks: the particles of this rank.
+/// ranks: the particles of all (collective).
 template <class Sim>
 SizeTable sizes_present(const Sim& sim, std::optional<WhichMaterial> of = {}) {
   SizeTable all;
@@ -134,7 +134,7 @@ SizeTable sizes_present(const Sim& sim, std::optional<WhichMaterial> of = {}) {
   for (std::size_t k = 0; k < sim.rows(); ++k)
     if (sim.is_present(k) && std::isfinite(sim.mass(k)) && (!of || sim.material(k) == wanted))
       all.add(detail::equal_volume_diameter(sim.engine().volume_of(k)), sim.mass(k), 1, sim.time());
-  return all;
+  return detail::merged_over_ranks(sim, all);
 }
 
 namespace detail {

@@ -12,7 +12,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// How many numbers agree() takes beside what it tells by itself.
+/// How many numbers agree() can carry in addition to its own.
 inline constexpr std::size_t most_agreed = 29;
 
 namespace detail {
@@ -51,8 +51,8 @@ struct ErrorMessage {
     return m;
   }
 
-  /// Throws it, with the sentence of all ranks. Lack of memory is a plain Error then, which has
-  /// one.
+  /// Throws it with the message common to all ranks. Lack of memory becomes a plain Error, which
+  /// has a message.
   [[noreturn, gnu::cold]] void raise(const std::string& words) const {
     switch (kind) {
       case Kind::Input:
@@ -100,7 +100,7 @@ struct ErrorMessage {
   }
 };
 
-/// Whether all ranks have thrown this error together already; observers add words at its end.
+/// Whether all ranks have already thrown this error together; observers append words to it.
 [[gnu::cold]] inline bool is_told(const std::exception_ptr& error) {
   return error && is_agreed() && !last_agreed().empty() &&
          ErrorMessage::of(error).sentence.starts_with(last_agreed());
@@ -129,7 +129,7 @@ template <Communicator C>
   }
 }
 
-/// Collective: all ranks throw, as they do not make the same call.
+/// Collective: all ranks throw, because they are at different calls.
 template <Communicator C>
 [[gnu::cold]] void throw_out_of_step(const C& comm, std::string_view call) {
   const auto all = gather(comm, std::span<const char>(call));
@@ -138,20 +138,21 @@ template <Communicator C>
     who += text(r == 0 ? "" : ", ", "rank ", r, " is at '",
                 std::string_view(all[r].data(), all[r].size()), "'");
   who = text("the ranks are out of step: ", who,
-             "; every rank must make the same calls in the same order");
+             "; every rank must make the same calls in the same order, none of them behind `if "
+             "(sim.rank() == 0)`");
   last_agreed() = who, is_agreed() = true;
   throw Error(who);
 }
 
 }  // namespace detail
 
-/// Collective: every rank tells whether it has failed, and which call it is at. All return, or all
-/// throw the same: the error of the lowest rank that has one, with the rank's number before its
-/// sentence; or, where ranks are at different calls, a sentence about that. `maxima` (at most
-/// most_agreed numbers, the same count on all ranks) become the largest of all ranks on the way;
-/// there is one message, of one length, whatever the call, so that a rank that has failed can meet
-/// the others at the next agree(), wherever that is. An error that all have thrown at an agree()
-/// inside is thrown on without a message.
+/// Collective: every rank reports whether it has failed, and which call it is at. All return, or
+/// all throw the same error: that of the lowest rank that has one, with the rank's number before
+/// its message; or, if ranks are at different calls, a message about that. `maxima` (at most
+/// most_agreed numbers, the same count on all ranks) become the maxima over all ranks. There is one
+/// message of one length, whatever the call, so that a rank that has failed can meet the others at
+/// the next agree(), wherever that is. An error that all ranks have thrown at a nested agree() is
+/// rethrown without a message.
 template <Communicator C>
 void agree(const C& comm, std::string_view call, const std::exception_ptr& error = nullptr,
            std::span<double> maxima = {}) {
@@ -174,8 +175,8 @@ void agree(const C& comm, std::string_view call, const std::exception_ptr& error
   std::copy_n(told.begin() + 3, maxima.size(), maxima.begin());
 }
 
-/// Collective: runs f() on each rank. If it throws on any, all throw the same. Where f itself talks
-/// to other ranks, it does so behind an agree(), at which a rank that has failed meets the others.
+/// Collective: runs f() on each rank. If it throws on any, all throw the same. If f itself
+/// communicates, it does so after an agree(), at which a rank that has failed meets the others.
 template <Communicator C, class F>
 void together(const C& comm, std::string_view call, const F& f) {
   detail::is_agreed() = false;

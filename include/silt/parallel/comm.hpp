@@ -15,25 +15,25 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A message to a rank. Its bytes must stay as they are until the exchange has ended.
+/// A message to a rank. Its bytes must not change until the exchange has ended.
 struct Outgoing {
   int rank;
   std::span<const std::byte> bytes;
 };
 
-/// Room for a message from a rank, of exactly its size.
+/// A buffer for a message from a rank, of exactly its size.
 struct Incoming {
   int rank;
   std::span<std::byte> bytes;
 };
 
-/// A message that came, of a size which was not known before.
+/// A received message whose size was not known before.
 struct Arrival {
   int rank;
   std::vector<std::byte> bytes;
 };
 
-/// What each rank gave, in rank order: of rank r the values from starts[r] to starts[r + 1].
+/// The values of each rank, in rank order: those of rank r are from starts[r] to starts[r + 1].
 template <class T>
 struct Gathered {
   std::vector<T> values;
@@ -46,24 +46,25 @@ struct Gathered {
   }
 };
 
-/// What moves bytes between the ranks of a run: MpiComm, ThreadComm, NoRanks.
+/// Communication between the ranks of a run: MpiComm, ThreadComm, NoRanks.
 ///
-///   rank(), size()           who of how many, counted from 0
+///   rank(), size()           number of this rank, counted from 0, and how many there are
 ///   on_this_machine()        how many of the ranks share this rank's machine
-///   max_of(doubles)          each number becomes the largest that any rank gave; not-a-number is
-///                            larger than all, +0 than -0
-///   sum_of(whole numbers)    each becomes the sum over all ranks
-///   gather_bytes(bytes)      what each rank gave, in rank order, of any lengths
-///   swap_counts(counts)      gives counts[r] to rank r; returns what rank r gave to this one
-///   exchange(out, in)        begins to send and to receive messages of known sizes; returns what
-///                            has wait(), and arrived(), which does not wait. Messages between two
+///   max_of(doubles)          replaces each by its maximum over the ranks; NaN counts as the
+///                            largest, and +0 as larger than -0
+///   sum_of(whole numbers)    replaces each by its sum over all ranks
+///   gather_bytes(bytes)      the bytes of each rank, in rank order, of any lengths
+///   swap_counts(counts)      sends counts[r] to rank r; returns what rank r sent to this one
+///   exchange(out, in)        starts to send and receive messages of known sizes; returns an object
+///                            with wait(), and arrived(), which does not wait. Messages between two
 ///                            ranks arrive in the order in which they were sent
 ///   barrier()                returns when all ranks have called it
-///   abort(sentence)          ends all ranks, with this sentence
+///   abort(sentence)          ends all ranks with this message
 ///
 /// All but rank(), size(), on_this_machine(), exchange() and abort() are collective: every rank
-/// calls them, in the same order. No result depends on which message comes first: the bits repeat.
-/// A copy speaks for the same ranks. Calls are made by one thread of a rank.
+/// calls them, in the same order. No result depends on the order of arrival of messages: results
+/// are bitwise reproducible. A copy refers to the same ranks. Calls are made by one thread per
+/// rank.
 template <class C>
 concept Communicator = std::copy_constructible<C> &&
     requires(const C& comm, std::span<double> numbers, std::span<std::int64_t> wholes,
@@ -101,7 +102,7 @@ namespace detail {
 
 }  // namespace detail
 
-/// One process without others: rank 0 of 1.
+/// A single process: rank 0 of 1.
 struct NoRanks {
   /// Messages of a rank to itself have arrived when the exchange begins.
   struct Exchange {
@@ -136,7 +137,7 @@ struct NoRanks {
 };
 static_assert(Communicator<NoRanks>);
 
-/// Bytes as the values that another rank has sent as bytes.
+/// Converts received bytes to the values that another rank has sent.
 template <class T>
 requires std::is_trivially_copyable_v<T> std::vector<T> values_of(
     std::span<const std::byte> bytes) {
@@ -147,7 +148,7 @@ requires std::is_trivially_copyable_v<T> std::vector<T> values_of(
   return values;
 }
 
-/// Collective: the values that each rank gives, in rank order.
+/// Collective: the values of each rank, in rank order.
 template <class T, Communicator C>
 requires std::is_trivially_copyable_v<T> Gathered<T> gather(const C& comm,
                                                             std::span<const T> values) {
@@ -157,13 +158,13 @@ requires std::is_trivially_copyable_v<T> Gathered<T> gather(const C& comm,
   return all;
 }
 
-/// Collective: one value of each rank, in rank order.
+/// Collective: one value per rank, in rank order.
 template <class T, Communicator C>
 requires std::is_trivially_copyable_v<T> std::vector<T> gather_each(const C& comm, const T& value) {
   return gather(comm, std::span<const T>(&value, 1)).values;
 }
 
-/// Collective: the sum of one number of each rank, added in rank order.
+/// Collective: the sum of one number per rank, added in rank order.
 template <Communicator C>
 double sum(const C& comm, double own) {
   double all = 0;
@@ -171,8 +172,8 @@ double sum(const C& comm, double own) {
   return all;
 }
 
-/// Collective: sends messages whose sizes the receivers do not know, at most one to a rank. Returns
-/// those that came, in rank order; empty ones are not sent.
+/// Collective: sends messages whose sizes the receivers do not know, at most one to each rank.
+/// Returns the received messages, in rank order; empty ones are not sent.
 template <Communicator C>
 std::vector<Arrival> deliver(const C& comm, std::span<const Outgoing> out) {
   std::vector<std::uint64_t> counts(static_cast<std::size_t>(comm.size()), 0);

@@ -5,7 +5,7 @@
 #error \
     "silt/mpi.hpp needs MPI (Debian: apt-get install libopenmpi-dev openmpi-bin); link silt::mpi, or compile with mpicxx"
 #endif
-// The C++ functions of old MPI libraries are not wanted.
+// The C++ bindings of old MPI libraries are not needed.
 #define OMPI_SKIP_MPICXX 1
 #define MPICH_SKIP_MPICXX 1
 #include <mpi.h>
@@ -28,7 +28,7 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// Throws where a call of MPI has failed.
+/// Throws if an MPI call has failed.
 inline void check_mpi(int code, const char* call) {
   if (code == MPI_SUCCESS) [[likely]]
     return;
@@ -52,7 +52,7 @@ inline void check_mpi(int code, const char* call) {
           "MPI_Init_thread with MPI_THREAD_FUNNELED");
 }
 
-/// A communicator of silt's own, so that its messages meet no other's.
+/// A communicator of silt's own, so that its messages cannot be confused with others.
 class OwnedMpiComm {
  public:
   explicit OwnedMpiComm(MPI_Comm of) {
@@ -79,7 +79,7 @@ class OwnedMpiComm {
   ~OwnedMpiComm() {
     int ended = 0;
     MPI_Finalized(&ended);
-    // All ranks must come to this call; one that an exception unwinds may be alone.
+    // All ranks must reach this call; a rank that is unwinding an exception may be alone.
     if (ended == 0 && std::uncaught_exceptions() == 0) MPI_Comm_free(&comm);
   }
 
@@ -90,20 +90,20 @@ class OwnedMpiComm {
 }  // namespace detail
 
 /// The ranks of an MPI communicator, which is duplicated (a collective call; copies share the
-/// duplicate). MPI_THREAD_FUNNELED is enough.
+/// duplicate). MPI_THREAD_FUNNELED is sufficient.
 ///
-/// Errors: InputError if MPI is not running, Error with MPI's words if a call of it fails.
+/// Errors: InputError if MPI is not running, Error with MPI's message if one of its calls fails.
 /// Tests:  tests/mpi.
 class MpiComm {
  public:
-  /// Longer messages than `piece` [bytes] are sent in pieces: MPI counts in int.
+  /// Messages longer than `piece` [bytes] are sent in pieces, because MPI counts in int.
   MpiComm(MPI_Comm of, std::size_t piece = std::size_t{1} << 30)  // NOLINT: converts
-      : own_(std::make_shared<detail::OwnedMpiComm>(of)), piece_(piece) {
+      : own_(new detail::OwnedMpiComm(of), end_together), piece_(piece) {
     require(piece >= 1 && piece <= std::size_t{std::numeric_limits<int>::max()},
             "MpiComm: pieces of ", piece, " bytes must be in [1, 2147483647]");
   }
 
-  /// Messages on their way. They end before it does.
+  /// Messages in transit. They are completed before the object is destroyed.
   class Exchange {
    public:
     Exchange(Exchange&& other) noexcept
@@ -117,7 +117,7 @@ class MpiComm {
     void wait() {
       auto requests = std::exchange(requests_, {});
       if (requests.empty()) return;
-      // One by one: in Open MPI 4.1 MPI_Waitall may hang where a message is longer than its room.
+      // One by one: in Open MPI 4.1 MPI_Waitall may hang if a message is longer than its buffer.
       std::string refusal;
       for (std::size_t k = 0; k < requests.size(); ++k) {  // receives come first
         MPI_Status state{};
@@ -129,7 +129,7 @@ class MpiComm {
             detail::refuse_length(own_->rank, own_->size, state.MPI_SOURCE,
                                   static_cast<std::size_t>(expected_[k]),
                                   static_cast<std::size_t>(came));
-        } catch (const Error& e) {  // the others must end first
+        } catch (const Error& e) {  // the others must be completed first
           if (refusal.empty()) refusal = e.what();
         }
       }
@@ -137,11 +137,11 @@ class MpiComm {
       expected_.clear();
     }
 
-    /// Whether all messages have come and gone; lets MPI work on them.
+    /// Whether all messages are completed; lets MPI make progress on them.
     bool arrived() {
       if (requests_.empty()) return true;
       int all = 0;
-      // Asked one by one: MPI_Testall would forget how long those are that have come.
+      // Tested one by one: MPI_Testall would lose the lengths of those that have arrived.
       for (auto& request : requests_) {
         detail::check_mpi(MPI_Request_get_status(request, &all, MPI_STATUS_IGNORE),
                           "MPI_Request_get_status");
@@ -189,7 +189,7 @@ class MpiComm {
       gather_round(bytes, counts, starts, all.values.data());
       return all;
     }
-    // In rounds, of which each fits in what MPI counts.
+    // In rounds, each within the range that MPI can count.
     const std::size_t most = std::max<std::size_t>(1, piece_ / n);
     std::vector<std::byte> round;
     const std::size_t longest = *std::max_element(sizes.begin(), sizes.end());
@@ -257,10 +257,11 @@ class MpiComm {
     std::abort();
   }
 
-  /// The duplicate, for libraries that want one.
+  /// The duplicate, for libraries that need an MPI communicator.
   MPI_Comm mpi() const { return own_->comm; }
 
  private:
+  MpiComm() : piece_(std::size_t{1} << 30) {}
   static constexpr int tag = 0;
 
   void reduce(std::span<std::int64_t> wholes, MPI_Op op) const {
@@ -277,7 +278,7 @@ class MpiComm {
                       "MPI_Allgatherv");
   }
 
-  /// One piece for an empty message, too.
+  /// Also one piece for an empty message.
   template <class Byte, class Send>
   void in_pieces(std::span<Byte> bytes, const Send& send) const {
     do {
@@ -287,22 +288,25 @@ class MpiComm {
     } while (!bytes.empty());
   }
 
+  /// The last copy ends when those of the other ranks do. A rank that waits in a call which the
+  /// others do not make, as in `if (comm.rank() == 0) sim.kinetic_energy()`, is told so here.
+  static void end_together(detail::OwnedMpiComm* own) noexcept;
+
   std::shared_ptr<detail::OwnedMpiComm> own_;
   std::size_t piece_;
 };
 static_assert(Communicator<MpiComm>);
 
-/// Begins MPI, and ends it: one of these stands at the start of main().
+/// Initialises and finalises MPI; create one at the start of main().
 ///
 ///   int main(int argc, char** argv) {
 ///     silt::Mpi mpi(argc, argv);
 ///     ...
 ///   }
 ///
-/// An exception that leaves main() is told once, with the number of its rank, and ends all ranks
-/// with a status that is not 0 (instead of the language's own words, one for each rank). Where
-/// main() catches an exception by itself it must call fail(), as the other ranks may wait for this
-/// one.
+/// An exception that leaves main() is reported once, with the number of its rank, and ends all
+/// ranks with a non-zero status (instead of the language's own message from each rank). If main()
+/// catches an exception itself it must call fail(), as the other ranks may be waiting for this one.
 class Mpi {
  public:
   Mpi(int& argc, char**& argv) {
@@ -327,7 +331,7 @@ class Mpi {
                    words().c_str());
       end();
     }
-    own() = nullptr;  // the handler stays, for an exception that goes on
+    own() = nullptr;  // the handler stays, for an exception that propagates
     MPI_Finalize();
   }
 
@@ -336,11 +340,11 @@ class Mpi {
   int rank() const { return own()->rank; }
   int size() const { return own()->size; }
 
-  /// Tells what has failed, and ends all ranks.
+  /// Reports what has failed, and ends all ranks.
   [[noreturn]] static void fail(std::string_view sentence) {
     const bool by_all = !detail::last_agreed().empty() && sentence == detail::last_agreed();
-    // Of an error that all ranks throw rank 0 tells; the others wait until it has. After the end of
-    // MPI they cannot.
+    // An error that all ranks throw is reported by rank 0; the others wait for that. After MPI was
+    // finalised they cannot.
     if (!by_all || !own() || own()->rank == 0)
       std::fprintf(stderr, "silt: %s%s%.*s\n", by_all ? "" : words().c_str(), by_all ? "" : ": ",
                    static_cast<int>(sentence.size()), sentence.data());
@@ -359,7 +363,7 @@ class Mpi {
     return who;
   }
 
-  /// Whether all ranks come here within some seconds.
+  /// Whether all ranks arrive here within some seconds.
   static bool meet(double seconds) {
     MPI_Request request = MPI_REQUEST_NULL;
     if (MPI_Ibarrier(own()->comm, &request) != MPI_SUCCESS) return false;
@@ -375,10 +379,10 @@ class Mpi {
   [[noreturn]] static void end() {
     std::fflush(nullptr);
     if (own()) MPI_Abort(MPI_COMM_WORLD, 1);
-    std::_Exit(1);  // where MPI has ended
+    std::_Exit(1);  // MPI has ended
   }
 
-  /// What std::terminate calls, with an exception that nobody has caught or without one.
+  /// Called by std::terminate, with an uncaught exception or without one.
   static void end_all() {
     std::string sentence = "std::terminate was called";
     if (const auto error = std::current_exception())
@@ -386,5 +390,20 @@ class Mpi {
     fail(sentence);
   }
 };
+
+inline void MpiComm::end_together(detail::OwnedMpiComm* own) noexcept {
+  const std::unique_ptr<detail::OwnedMpiComm> last(own);
+  int ended = 0;
+  MPI_Finalized(&ended);
+  // A rank that an exception unwinds may be alone.
+  if (ended != 0 || std::uncaught_exceptions() > 0) return;
+  MpiComm comm;
+  comm.own_ = std::shared_ptr<detail::OwnedMpiComm>(own, [](auto*) {});
+  try {
+    silt::agree(comm, "the end of a simulation or communicator");
+  } catch (const std::exception& e) {
+    Mpi::fail(e.what());
+  }
+}
 
 }  // namespace silt

@@ -9,9 +9,9 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Doubles as whole numbers in the same order: a < b if key(a) < key(b), with -0 before +0 and
-/// every value that is not a number behind all others. A largest of keys does not depend on the
-/// order in which they are compared, to the bit; that of doubles does.
+/// Maps doubles to integers in the same order: a < b if key(a) < key(b), with -0 before +0 and NaN
+/// behind all others. The maximum of keys does not depend on the order of comparison, to the bit;
+/// that of doubles does.
 inline std::int64_t ordered_key(double x) {
   if (x != x) x = std::numeric_limits<double>::quiet_NaN();
   const auto bits = std::bit_cast<std::int64_t>(x);

@@ -9,19 +9,21 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The policy that spreads a simulation over ranks: who they are, how they share the space, and
-/// when they share it anew.
+/// The policy that distributes a simulation over ranks: the communicator, the decomposition of
+/// space, and when it is renewed.
 ///
 ///   silt::Simulation sim{std::move(beads), silt::Contacts<Law>{glass},
 ///                        silt::Ranks{MPI_COMM_WORLD, silt::Bisection{}}};  // silt/mpi.hpp
 ///
-/// Every rank runs the same program: it makes the same particles, walls and calls of run(). Each
-/// has a part of the particles then, of which rows() and all that takes a place in memory speak.
+/// Every rank runs the same program: it creates the same particles and walls and makes the same
+/// calls of run(). Each rank then owns a part of the particles; rows() and all functions that take
+/// a place in memory refer to that part.
 ///
 /// Source: none; the decomposition has its own.
-/// Valid:  what docs/ranks.md lists; the rest is refused at compile time, or as the run starts.
+/// Valid:  the combinations listed in docs/ranks.md; others are refused at compile time or at the
+///         start of a run.
 /// Units:  none.
-/// Errors: Error on all ranks alike, with the sentence of the rank that failed.
+/// Errors: Error on all ranks alike, with the message of the rank that failed.
 /// Tests:  tests/parallel/policies.cpp, tests/parallel/spheres.cpp, tests/mpi/ranks.cpp.
 template <Communicator Comm, Decomposition<Comm> Parts = Bisection>
 struct Ranks {

@@ -19,14 +19,14 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// A rank cannot go on because another one does not come.
+/// A rank cannot continue because another one does not arrive.
 struct RankLost : Error {
   using Error::Error;
 };
 
-/// Where the ranks of a ThreadComm meet. Each call that all make is a round: a rank lays down what
-/// it gives, waits until all have, and reads. What was laid down in a round stays until its rank
-/// enters the round after the next, which it can only do when all have read.
+/// Where the ranks of a ThreadComm synchronise. Each collective call is a round: a rank deposits
+/// its data, waits until all have, and reads. The data of a round stay until their rank enters the
+/// round after the next, which it can only do when all have read.
 class ThreadHub {
  public:
   ThreadHub(int ranks, std::chrono::duration<double> patience)
@@ -34,7 +34,7 @@ class ThreadHub {
 
   int size() const { return static_cast<int>(seats_.size()); }
 
-  /// Calls read(r, bytes) for what each rank r has given in this round, in rank order.
+  /// Calls read(r, bytes) for the data of each rank r in this round, in rank order.
   template <class Read>
   void meet(int rank, const char* call, std::span<const std::byte> given, const Read& read) {
     std::unique_lock lock(mutex_);
@@ -67,13 +67,13 @@ class ThreadHub {
     return bytes;
   }
 
-  /// How many messages wait for `to` from `from`.
+  /// Number of messages waiting for `to` from `from`.
   std::size_t waiting(int from, int to) {
     const std::lock_guard lock(mutex_);
     return mail_[{from, to}].size();
   }
 
-  /// A rank has ended; `why` is empty if that was without an error.
+  /// A rank has ended; `why` is empty if it ended without an error.
   void leave(int rank, const std::string& why) {
     const std::lock_guard lock(mutex_);
     seat(rank).left = true;
@@ -99,7 +99,7 @@ class ThreadHub {
 
   Seat& seat(int rank) { return seats_[static_cast<std::size_t>(rank)]; }
 
-  /// Waits until no rank is missing(r) any more. Throws where one never will come.
+  /// Waits until missing(r) is false for all ranks. Throws if a rank will never arrive.
   template <class Missing>
   void wait(std::unique_lock<std::mutex>& lock, int rank, const char* call,
             const Missing& missing) {
@@ -146,7 +146,7 @@ class ThreadHub {
     return text("the ranks are out of step: ", who);
   }
 
-  /// Nobody can go on; the mutex is held.
+  /// Called when no rank can continue; the mutex is held.
   [[noreturn, gnu::cold]] void fail(const std::string& sentence) {
     if (broken_.empty()) broken_ = sentence;
     for (auto& other : seats_) other.awake.notify_one();
@@ -162,12 +162,11 @@ class ThreadHub {
 
 }  // namespace detail
 
-/// Ranks as threads of one program, for tests: no MPI is needed, and sanitizers see what ranks tell
-/// each other. See run_on_ranks.
+/// Ranks as threads of one program, for tests: MPI is not needed, and sanitizers check the
+/// communication. See run_on_ranks.
 ///
 /// Errors: a rank that waits for one that has ended, or longer than the patience of run_on_ranks,
-/// gets
-///         an Error that names the missing ranks and the call; so do ranks that make different
+///         gets an Error that names the missing ranks and the call; so do ranks that make different
 ///         calls.
 /// Tests:  tests/parallel/comm.cpp.
 class ThreadComm {
@@ -183,7 +182,7 @@ class ThreadComm {
     ~Exchange() {
       try {
         wait();
-      } catch (...) {  // NOLINT: whoever did not wait has an error of its own
+      } catch (...) {  // whoever did not wait has an error of its own
       }
     }
 
@@ -272,9 +271,9 @@ class ThreadComm {
 };
 static_assert(Communicator<ThreadComm>);
 
-/// Runs f(comm) on so many ranks, each a thread, and waits for all. An error of a rank is thrown
-/// again, that of the lowest rank if there are several; errors that only tell that another rank is
-/// missing come last. No rank waits longer than `patience` [s] for another.
+/// Runs f(comm) on the given number of ranks, each a thread, and waits for all. An error of a rank
+/// is rethrown, that of the lowest rank if there are several; errors that only report a missing
+/// rank come last. No rank waits longer than `patience` [s] for another.
 template <class F>
 void run_on_ranks(int ranks, const F& f, double patience = 60) {
   require(ranks >= 1, "run_on_ranks: ", ranks, " ranks [-] must be at least 1");

@@ -15,7 +15,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Throws where a call of Zoltan has failed.
+/// Throws if a Zoltan call has failed.
 inline void check_zoltan(int code, const char* call) {
   require(code == ZOLTAN_OK || code == ZOLTAN_WARN, call, " of Zoltan has failed (",
           code == ZOLTAN_MEMERR ? "there is not enough memory" : "it has told why", ')');
@@ -25,12 +25,12 @@ struct DestroyZoltan {
   void operator()(Zoltan_Struct* zoltan) const {
     int ended = 0;
     MPI_Finalized(&ended);
-    // All ranks must come to this call; one that an exception unwinds may be alone.
+    // All ranks must reach this call; a rank that is unwinding an exception may be alone.
     if (ended == 0 && std::uncaught_exceptions() == 0) Zoltan_Destroy(&zoltan);
   }
 };
 
-/// A data structure of Zoltan, made by all ranks together.
+/// A Zoltan data structure, created by all ranks together.
 class ZoltanHandle {
  public:
   Zoltan_Struct* get() const { return zoltan_.get(); }
@@ -53,8 +53,8 @@ class ZoltanHandle {
   void set(const char* parameter, const std::string& value) const {
     check_zoltan(Zoltan_Set_Param(get(), parameter, value.c_str()), parameter);
   }
-  /// Collective: divides what the callbacks tell of; calls moved(own object, part) for each that
-  /// goes to another part, if Zoltan is to list them (RETURN_LISTS).
+  /// Collective: partitions the objects described by the callbacks; calls moved(own object, part)
+  /// for each object that moves to another part, if Zoltan is to list them (RETURN_LISTS).
   template <class Moved>
   void partition(const Moved& moved) const {
     int changes = 0, ids = 0, locals = 0, imports = 0, exports = 0;

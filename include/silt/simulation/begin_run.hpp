@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of Simulation: what a run checks and prepares before its first step.
+// Parts of Simulation: checks and preparations before the first step of a run.
 
 #include <silt/simulation.hpp>
 
@@ -28,7 +28,7 @@ void Simulation<Policies...>::check_start() {
   require_positive("Guard.max_time_step", guard.max_time_step, "-");
   require_positive("Guard.max_travel", guard.max_travel, "-");
   require_positive("Guard.max_rate", guard.max_rate, "-");
-  // A mesh is solid from both sides: an overlap beyond the radius is not seen as one.
+  // A mesh is solid from both sides: an overlap larger than the radius is not recognised as one.
   for (const Wall& wall : engine_.walls)
     for (const auto& surface : wall.surfaces) {
       const double overlap = overlap_limits_.most(wall.material, guard.max_overlap);
@@ -63,8 +63,8 @@ void Simulation<Policies...>::check_start() {
   engine_.set_threads(threads);
 }
 
-/// Prepares what follows from the scene, on many ranks from the scene of all: coefficients, time
-/// step.
+/// Computes what depends on the scene (with several ranks, on the whole scene): coefficients and
+/// time step.
 template <class... Policies>
 void Simulation<Policies...>::begin_run() {
   this->check_pairs();

@@ -7,13 +7,14 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What users read of particles that are bodies; a Simulation has these functions as its own.
-/// (Templates, as clang 14 looks at what a member requires before Sim is complete.)
+/// Read access to particles that are bodies; these are member functions of Simulation. (Templates,
+/// because clang 14 evaluates the constraints of members before Sim is complete.)
 template <class Sim>
 class BodyReadings {
  public:
-  /// Turns the frame in which the form was given to space; of spheres with bonds that which they
-  /// had when they came, or when the first bond of the simulation was made, if that was later.
+  /// Rotation from the frame of its form to the space frame. For spheres with bonds, the reference
+  /// is the orientation at creation, or when the first bond of the simulation was made, if that was
+  /// later.
   template <class S = Sim>
   Quaternion orientation(std::size_t k) const requires(S::of_bodies || S::has_bonds) {
     return owner(k).orientation();
@@ -22,13 +23,13 @@ class BodyReadings {
   std::size_t form(std::size_t k) const requires(S::of_bodies) {
     return owner(k).form();
   }
-  /// Size of the particle over that of its form as it was made [-].
+  /// Size of the particle relative to its form as it was defined [-].
   template <class S = Sim>
   double scale(std::size_t k) const requires(S::of_bodies) {
     return owner(k).scale();
   }
-  /// All forms, a silt::BodyForm each: those that were added, then those of fragments of polyhedra,
-  /// whose numbers are given again as fragments go.
+  /// All forms (silt::BodyForm): those that were added, then those of fragments of polyhedra, whose
+  /// numbers are reused after the fragments have left.
   template <class S = Sim>
   const auto& forms() const requires(S::of_bodies) {
     return sim().engine_.mover.forms;

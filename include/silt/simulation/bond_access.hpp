@@ -19,13 +19,14 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Bonds; a Simulation with the policy Bonds has these functions as its own.
+/// Bonds; these are member functions of a Simulation with the policy Bonds.
 template <class Sim>
 class BondAccess {
  public:
-  /// Bonds the particles with these ids, as they are now: without strain. They are no contact as
-  /// long as the bond holds. InputError: one is not there, both are fixed, or they are bonded. On
-  /// many ranks collective, as all that follows; bond_all() then takes less time.
+  /// Bonds the particles with these ids at their present positions, without strain. They are not in
+  /// contact as long as the bond exists. InputError: a particle does not exist, both are fixed, or
+  /// they are already bonded. With several ranks it is collective, as are the functions below;
+  /// bond_all() is then faster.
   template <class S = Sim>
   void bond(ParticleId a, ParticleId b) requires(S::has_bonds) {
     if constexpr (S::has_ranks) {
@@ -40,7 +41,7 @@ class BondAccess {
       sim().scene_changed_ = true;
     }
   }
-  /// Likewise several pairs.
+  /// The same for several pairs.
   template <class S = Sim>
   void bond_all(const std::vector<std::pair<ParticleId, ParticleId>>& pairs) requires(
       S::has_bonds) {
@@ -78,10 +79,11 @@ class BondAccess {
       sim().scene_changed_ = true;
     }
   }
-  /// Bonds a particle to a wall, by its number or name, at the wall's point `place` [m], which
-  /// moves with the wall. The bond is as long as the way there, its radius is by the particle's
-  /// alone. Its contact with the wall goes on acting beside it, unless it is excluded. InputError:
-  /// there is no such particle or wall, it is fixed, or `place` is its centre.
+  /// Bonds a particle to a wall, given by number or name, at the wall's point `place` [m], which
+  /// moves with the wall. The bond is as long as the distance to that point; its radius follows
+  /// from the particle's alone. The contact with the wall stays active in addition, unless it is
+  /// excluded. InputError: no such particle or wall, the particle is fixed, or `place` is its
+  /// centre.
   template <class S = Sim>
   void bond_to_wall(ParticleId id, const WhichWall& which, const Vec3d& place,
                     WallContact contact = WallContact::Acts) requires(S::has_bonds) {
@@ -129,16 +131,16 @@ class BondAccess {
     const bool here = sim().engine_.particles.bonds.holds(a, b);
     return sim().largest_over_ranks(here ? 1 : 0) > 0;
   }
-  /// Calls f(const BondSeen&) for each bond, in the order in which they were made. On many ranks
-  /// each visits those whose end of the lower id it has (not collective); bonds that have just been
-  /// made are known there after the next step.
+  /// Calls f(const BondSeen&) for each bond, in order of creation. With several ranks each visits
+  /// the bonds whose end with the lower id it owns (not collective); bonds that have just been made
+  /// are known there after the next step.
   template <class F, class S = Sim>
   void for_each_bond(const F& f) const requires(S::has_bonds) {
     need_no_fresh_bonds("for_each_bond");
     sim().bonds_.visit(sim().engine_, sim().domain_, f);
   }
-  /// Bonds that hold now [-], and those that broke since the start, with a particle that broke
-  /// (Breakage) too. Those of particles that left are in neither.
+  /// Number of existing bonds [-], and of those broken since the start, including bonds of
+  /// particles that broke (Breakage). Bonds of particles that left are in neither.
   template <class S = Sim>
   std::size_t bonds() const requires(S::has_bonds) {
     const std::size_t own = sim().bonds_.size(sim().engine_);
@@ -150,18 +152,18 @@ class BondAccess {
   std::uint64_t broken_bonds() const requires(S::has_bonds) {
     return sim().bonds_.broken;
   }
-  /// [J] in the springs of all bonds now.
+  /// [J] stored in all bonds now.
   template <class S = Sim>
   double bond_energy() const requires(S::has_bonds) {
     return sim().sum_over_ranks(own_bond_energy());
   }
-  /// The id that the next particle gets which comes.
+  /// The id of the next particle to be added.
   template <class S = Sim>
   ParticleId coming_id() const requires(S::has_bonds) {
     return sim().next_.particle;
   }
 
-  // Without the policy: a sentence.
+  // Without the policy: a compile-time message.
   template <class S = Sim, class... Any>
   void bond(const Any&...) requires(!S::has_bonds) {
     needs_policy<S>();
@@ -189,7 +191,7 @@ class BondAccess {
     if constexpr (requires { policy.model.check(); }) policy.model.check();
     sim().bonds_.model = policy.model, sim().bonds_.seed = policy.seed;
   }
-  /// [J] of the bonds that count for this rank.
+  /// [J] of the bonds counted on this rank.
   double own_bond_energy() const {
     need_no_fresh_bonds("bond_energy");
     return sim().bonds_.energy(sim().engine_, sim().domain_);
@@ -198,7 +200,7 @@ class BondAccess {
     require(!sim().bonds_.fresh, "Simulation::", what,
             ": bonds were made whose ends may be on two ranks; run() first, if only for 0 s");
   }
-  /// What the time step follows from, of the bonds of all ranks (collective).
+  /// The time step limits from the bonds of all ranks (collective).
   template <class S = Sim>
   void share_bonds() requires(S::has_ranks) {
     auto own = sim().bonds_.fastest(sim().engine_);
@@ -211,14 +213,14 @@ class BondAccess {
     auto& all = sim().ranks_scene_;
     all.bond_rate = own.rate, all.bond_step = own.stable_step, all.bonded = own.particle;
   }
-  /// [s] in which what bonds do is resolved as contacts are, by a 20th of half a swing; and at most
-  /// 0.4 of what is stable.
+  /// [s] Longest step that resolves bond oscillations as well as contacts, with a 20th of half a
+  /// period; and at most 0.4 of the stable step.
   double longest_bond_step() const {
     const auto most = fastest_bond();
     return most.rate > 0 ? std::min(std::numbers::pi / 20 / most.rate, 0.4 * most.stable_step)
                          : 0.4 * most.stable_step;
   }
-  /// [s] in which bonds do not gain energy.
+  /// [s] Longest step in which bonds gain no energy.
   double longest_stable_bond_step() const { return fastest_bond().stable_step; }
   void check_bond_step(double dt) const {
     const auto most = fastest_bond();
@@ -248,7 +250,7 @@ class BondAccess {
       return Rate{};
     }
   }
-  /// What a bond is made of.
+  /// An end of a bond.
   struct BondEnd {
     Vec3d centre;                       // [m]
     double radius, inverse_mass, mass;  // [m], [1/kg], [kg]
@@ -265,7 +267,7 @@ class BondAccess {
     require(k < e.owners(), "Simulation::bond: there is no particle ", id);
     return end_at(k);
   }
-  /// Of the particles of these pairs, wherever they are (collective).
+  /// The particles of these pairs, on whatever rank they are (collective).
   std::unordered_map<ParticleId, BondEnd> ends_of_ranks(
       const std::vector<std::pair<ParticleId, ParticleId>>& pairs) const {
     struct Known {
@@ -298,7 +300,7 @@ class BondAccess {
     if constexpr (Sim::Domain::periodic) d = sim().domain_.shortest(d);
     return d;
   }
-  /// `here`: one of the ends is of this rank; else it is counted alone.
+  /// `here`: one of the ends is on this rank; else the bond is only counted.
   void add_bond(ParticleId i, ParticleId j, const BondEnd& p, const BondEnd& q, bool here) {
     auto& e = sim().engine_;
     auto& stage = sim().bonds_;
@@ -317,7 +319,7 @@ class BondAccess {
                stage.model.numbers({r_i, r_j, length, 1 / inv_m, 1 / inv_I, share_of(i, j)}), 0});
     e.particles.bonds.add(i, j);
   }
-  /// [-] in (0, 1), by the seed and the ends alone.
+  /// [-] in (0, 1), depends on the seed and the ends only.
   double share_of(ParticleId i, ParticleId j) const {
     const std::uint64_t of_seed = Random(sim().bonds_.seed).bits();
     return Random(of_seed + 0x9e3779b97f4a7c15u * i + j).open_uniform();

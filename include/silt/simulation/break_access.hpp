@@ -17,7 +17,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Breakage; a Simulation with the policy Breakage has these functions as its own.
+/// Breakage; these are member functions of a Simulation with the policy Breakage.
 template <class Sim>
 class BreakAccess {
  public:
@@ -36,10 +36,10 @@ class BreakAccess {
   const SizeTable& left() const requires(S::has_breakage && !S::has_ranks) {
     return sim().breaks_.left.all;
   }
-  /// On many ranks, those of all ranks (collective).
+  /// With several ranks, the sum over all (collective).
   template <class S = Sim>
   SizeTable left() const requires(S::has_breakage&& S::has_ranks) {
-    return table_of_ranks(sim().breaks_.left.all);
+    return merged_over_ranks(sim(), sim().breaks_.left.all);
   }
   /// The same of one material, by number or name.
   template <class S = Sim>
@@ -48,7 +48,7 @@ class BreakAccess {
   }
   template <class S = Sim>
   SizeTable left(const WhichMaterial& of) const requires(S::has_breakage) {
-    return table_of_ranks(table_of(sim().breaks_.left, of));
+    return merged_over_ranks(sim(), table_of(sim().breaks_.left, of));
   }
   template <class S = Sim>
   MassBalance mass_balance() const requires(S::has_breakage) {
@@ -56,12 +56,12 @@ class BreakAccess {
     for (std::size_t k = 0; k < sim().rows(); ++k)
       if (sim().is_present(k) && std::isfinite(sim().mass(k))) present.add(sim().mass(k));
     const auto& b = sim().breaks_;
-    // Of dust all ranks know all.
+    // Dust is known on all ranks.
     std::array<double, 3> own{b.fed.value(), present.value(), b.left.all.mass()};
     sim().sum_over_ranks(std::span<double>(own));
     return {own[0], own[1], own[2], b.dust.all.mass()};
   }
-  /// How many particles broke since the start [-].
+  /// Number of particles broken since the start [-].
   template <class S = Sim>
   std::uint64_t broken(BreakCause cause) const requires(S::has_breakage) {
     return sim().breaks_.broken[static_cast<std::size_t>(cause)];
@@ -71,7 +71,7 @@ class BreakAccess {
     const auto& all = sim().breaks_.broken;
     return all[0] + all[1] + all[2];
   }
-  /// Likewise of one material, by number or name.
+  /// The same for one material, by number or name.
   template <class S = Sim>
   std::uint64_t broken(BreakCause cause, const WhichMaterial& of) const requires(S::has_breakage) {
     return broken_of(of)[static_cast<std::size_t>(cause)];
@@ -81,7 +81,7 @@ class BreakAccess {
     const BreakCounts all = broken_of(of);
     return all[0] + all[1] + all[2];
   }
-  /// How many will break before the next step [-].
+  /// Number of particles that will break before the next step [-].
   template <class S = Sim>
   std::size_t breaks_due() const requires(S::has_breakage) {
     const std::size_t own = sim().breaks_.due.size();
@@ -89,13 +89,13 @@ class BreakAccess {
       return static_cast<std::size_t>(sim().sum_over_ranks(static_cast<double>(own)));
     return own;
   }
-  /// Breaks the particle with this id before the next step, whatever its strength, as by a load
-  /// that just reaches it. InputError: there is none, or its material does not break.
+  /// Breaks the particle with this id before the next step, whatever its strength, as if by a load
+  /// equal to its strength. InputError: no such particle, or its material does not break.
   template <class S = Sim>
   void break_particle(ParticleId id) requires(S::has_breakage) {
     auto& s = sim();
     const std::size_t k = s.find(id);
-    if constexpr (S::has_ranks) {  // the rank that has it says what is wrong
+    if constexpr (S::has_ranks) {  // its rank reports what is wrong
       const bool is_here = s.rows() > k;
       const bool is_there = s.largest_over_ranks(is_here ? 1 : 0) > 0;
       s.engine_.ranks.together("a particle that is to break", [&] {
@@ -106,8 +106,8 @@ class BreakAccess {
       break_own(id, k);
     }
   }
-  /// Impacts since the start; none are noted where particles break by force. On many ranks, those
-  /// of all ranks (collective).
+  /// Impacts since the start; not recorded for breakage by force. With several ranks, the sum over
+  /// all (collective).
   template <class S = Sim>
   ImpactEnergies impact_energies() const requires(S::has_breakage&& S::has_ranks) {
     auto numbers = sim().breaks_.impacts.state();
@@ -116,16 +116,26 @@ class BreakAccess {
     all.restore(numbers);
     return all;
   }
-  /// Impacts since the start; none are noted where particles break by force.
+  /// Impacts since the start; not recorded for breakage by force.
   template <class S = Sim>
   const ImpactEnergies& impact_energies() const requires(S::has_breakage && !S::has_ranks) {
     return sim().breaks_.impacts;
   }
-  /// The largest since the program began; checkpoints do not keep it. On many ranks, of this rank's
-  /// particles.
+  /// The largest load since the program began; not saved in checkpoints. With several ranks, of all
+  /// (collective).
   template <class S = Sim>
-  const LargestLoad& largest_load() const requires(S::has_breakage) {
-    return sim().breaks_.largest;
+  LargestLoad largest_load() const requires(S::has_breakage) {
+    LargestLoad most = sim().breaks_.largest;
+    if constexpr (S::has_ranks) {
+      sim().engine_.ranks.meet("the largest load");
+      std::uint64_t weighed = 0;
+      for (const LargestLoad& one : gather_each(sim().engine_.ranks.comm(), most)) {
+        weighed += one.weighed;
+        if (one.share > most.share) most = one;
+      }
+      most.weighed = weighed;
+    }
+    return most;
   }
 
   // Without the policy: a message at compile time.
@@ -154,7 +164,7 @@ class BreakAccess {
   /// Replaces the particles that are due to break by their fragments, before a step. Returns
   /// whether the time step must be checked in this step.
   bool break_due();
-  /// Whether the time step follows the smallest particles that are present.
+  /// Whether the time step follows the smallest particles present.
   bool follows_sizes() const {
     return sim().breakage().rules.step == BreakStep::SmallestLiving && !sim().time_step;
   }
@@ -169,7 +179,7 @@ class BreakAccess {
     }
     using Law = typename Sim::ContactsType::Law;
     using Policy = typename Sim::Composition::Breaking;
-    // Throws where the load needs what the law, or the kind of breakage, does not tell.
+    // Throws if the load requires a value that the law, or the kind of breakage, does not provide.
     Impact probe{.diameter = 1,
                  .mass = 1,
                  .speed = 1,
@@ -197,7 +207,7 @@ class BreakAccess {
       if (std::isfinite(s.mass(k))) s.breaks_.fed.add(s.mass(k));
   }
   /// Adds the smallest possible fragments to the spheres that may meet, unless the time step
-  /// follows the particles that are present.
+  /// follows the particles present.
   template <class Meetings>
   void include_fragments(Meetings& all) const {
     if (follows_sizes()) return;
@@ -236,39 +246,18 @@ class BreakAccess {
             " cannot break: it is fixed, or BreakageRules.materials leaves its material out");
     s.breaks_.add_due({id, strength, 0, BreakCause::Asked});
   }
-  /// The sum of the tables of all ranks (collective).
-  SizeTable table_of_ranks(const SizeTable& own) const {
-    if constexpr (Sim::has_ranks) {
-      const auto numbers = own.state();
-      const auto& ranks = sim().engine_.ranks;
-      ranks.meet("tables of sizes");
-      const auto each = gather(ranks.comm(), std::span<const double>(numbers));
-      SizeTable all;
-      for (int r = 0; r < each.ranks(); ++r) {
-        SizeTable one;
-        one.restore(each[r]);
-        if (one.classes() == 0) continue;
-        if (all.classes() == 0)
-          all = one;
-        else
-          all.merge(one);
-      }
-      return all;
-    }
-    return own;
-  }
   template <class Tables>
   SizeTable table_of(const Tables& tables, const WhichMaterial& of) const {
     const std::size_t material = sim().contacts().material_number(of);
     if constexpr (Sim::ContactsType::several_materials) return tables.of_material(material);
-    return material == 0 ? tables.all : SizeTable();  // others are walls'
+    return material == 0 ? tables.all : SizeTable();  // others belong to walls
   }
   BreakCounts broken_of(const WhichMaterial& of) const {
     const std::size_t material = sim().contacts().material_number(of);
     const auto& stage = sim().breaks_;
     if constexpr (Sim::ContactsType::several_materials)
       return material < stage.broken_of.size() ? stage.broken_of[material] : BreakCounts{};
-    return material == 0 ? stage.broken : BreakCounts{};  // others are walls'
+    return material == 0 ? stage.broken : BreakCounts{};  // others belong to walls
   }
   template <class S>
   static void needs_policy() {
@@ -279,7 +268,7 @@ class BreakAccess {
   }
   static constexpr std::size_t nowhere = static_cast<std::size_t>(-1);
   struct Parent {
-    std::size_t place, fragments;  // nowhere: on another rank
+    std::size_t place, fragments;  // place: nowhere, if on another rank
     double rests_until;
   };
   const auto& own_fields(std::size_t k) const {
@@ -299,8 +288,8 @@ class BreakAccess {
     double mass() const { return mass_; }
     std::size_t material() const { return material_; }
   };
-  /// The same on many ranks: every rank breaks the particles of all ranks, in the order of ids, and
-  /// keeps the fragments of its own. Ids, random draws and dust are thus those of one process
+  /// The same with several ranks: every rank breaks the particles of all ranks, in the order of
+  /// ids, and keeps its own fragments. Ids, random numbers and dust are thus those of one process
   /// (collective).
   void break_due_of_ranks();
 
@@ -320,10 +309,10 @@ class BreakAccess {
                                std::span<const double> radii, std::span<const double> masses,
                                double share);
 
-  /// Books the energy of the breaking particle at place k as lost. Dust takes its share of it, and
-  /// its `potential` [J], out of the simulation.
+  /// Books the energy of the breaking particle at place k as lost. Dust takes its share of the
+  /// energy, and its `potential` [J], out of the simulation.
   void book(std::size_t k, double of_dust, double potential);
-  /// [J] of all particles now: kinetic, potential in gravity, and in bonds.
+  /// [J] of all particles now: kinetic energy, potential energy in gravity and energy in bonds.
   double energy_of_all() const;
   /// The rows of the particles at these places, sorted.
   std::vector<std::uint32_t> rows_of(const std::vector<std::size_t>& places) const;
@@ -333,7 +322,7 @@ class BreakAccess {
   /// books it.
   template <class Book>
   void book_contacts_with_ghosts(std::span<const ParticleId> gone, const Book& book);
-  /// Removes the parents and adds their fragments. `gone`: all breaking particles, of all ranks.
+  /// Removes the parents and adds their fragments. `gone`: all breaking particles of all ranks.
   template <class Particles>
   void take_place(const std::vector<Parent>& parents, const Particles& fragments,
                   std::span<const ParticleId> gone = {});

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of BreakAccess: the energy that a ledger books of breaking particles.
+// Parts of BreakAccess: the energy of breaking particles in the ledger.
 
 #include <algorithm>
 #include <cmath>
@@ -59,7 +59,7 @@ void BreakAccess<Sim>::book_contacts(const std::vector<std::uint32_t>& rows,
     s.book_.ended(ended.work), s.book_.broke(ended.normal);
   };
   if constexpr (Sim::of_bodies) {
-    e.mover.renew_convex_rows(e.particles);  // of those that came since the last step, or a file
+    e.mover.renew_convex_rows(e.particles);  // rows added since the last step, or read from a file
     book(EndedSolidContacts(e, s.domain_, rows, s.dt_));
   } else {
     book(EndedContacts(e, s.domain_, rows, s.dt_, s.dt_));

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of BreakAccess: particles that are due to break are replaced by fragments, between steps.
+// Parts of BreakAccess: replaces particles that are due to break by fragments, between steps.
 
 #include <algorithm>
 #include <span>
@@ -37,7 +37,7 @@ bool BreakAccess<Sim>::break_due() {
   take_place(parents, fragments);
   if constexpr (Sim::has_ledger)
     if (s.first_kick_) s.book_.was_there(-energy_of_all());
-  // How thin a cell is its mass does not tell.
+  // The mass of a cell does not tell how thin it is.
   if (follows && Sim::of_bodies) looks = true;
   for (std::size_t k = from; follows && !looks && k < s.rows(); ++k)
     looks = stage.sizes.is_less(s.engine_, k);
@@ -65,7 +65,7 @@ void BreakAccess<Sim>::break_due_of_ranks() {
   if (all.empty()) return;
   std::sort(all.begin(), all.end(),
             [](const auto& a, const auto& b) { return a.due.id < b.due.id; });
-  // Ghosts where they are now, for what the ledger misses of contacts that end.
+  // Ghosts at their present positions, for the correction of the ledger for contacts that end.
   if constexpr (Sim::has_ledger) s.engine_.refresh_ghosts_now();
   ranks.together("particles that break", [&] {
     std::vector<Parent> parents;
@@ -133,7 +133,7 @@ void BreakAccess<Sim>::break_one(const DueBreak& due, const Owner& p, double vol
       potential += sizes.masses[n] * dot(s.gravity_booked_, all.all()[before + n].position);
     book(k, sizes.dust / broken.mass, potential);
   }
-  // [s] in which all of the particle would have arrived
+  // [s] in which the whole particle would have arrived
   const double passes = due.speed > 0 ? broken.diameter / due.speed : 0;
   parents.push_back({k, sizes.masses.size(), s.time_ + passes});
   stage.events.push_back(event);
@@ -149,7 +149,7 @@ void BreakAccess<Sim>::take_place(const std::vector<Parent>& parents, const Part
   const ParticleId first = s.next_.particle;
   std::vector<double> rests_until;
   std::vector<std::size_t> places;
-  std::vector<char> own;  // fragments, on many ranks
+  std::vector<char> own;  // which fragments are this rank's
   for (const Parent& p : parents) {
     rests_until.insert(rests_until.end(), p.fragments, p.rests_until);
     if constexpr (Sim::has_ranks) own.insert(own.end(), p.fragments, p.place != nowhere);
@@ -163,7 +163,7 @@ void BreakAccess<Sim>::take_place(const std::vector<Parent>& parents, const Part
   if constexpr (Sim::of_bodies) forms = take_in_cells(e.mover, fragments.forms());
   s.join(std::span<const typename Particles::Particle>(fragments.all()), forms,
          std::span<const char>(own));
-  if constexpr (Sim::has_ledger)  // what the fragments have is not lost
+  if constexpr (Sim::has_ledger)  // the fragments' energy is not lost
     for (std::size_t n = from; n < s.rows(); ++n) s.book_.broke(-s.kinetic(n).sum());
   std::size_t k = from;
   for (const Parent& p : parents)

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of BreakAccess: where the fragments of a particle are, and how they move.
+// Parts of BreakAccess: positions and velocities of the fragments of a particle.
 
 #include <cmath>
 #include <cstddef>
@@ -34,8 +34,8 @@ void BreakAccess<Sim>::add_spheres(const Owner& p, const FragmentSizes& sizes, d
   }
 }
 
-/// Cuts a polyhedron: the cells fill it and move as it did; one of them is the dust, which gets
-/// what rounding leaves of the mass.
+/// Cuts a polyhedron: the cells fill it and move as it did. One of them is the dust, which also
+/// gets the mass that rounding leaves over.
 template <class Sim>
 template <class Owner, class Particles>
 void BreakAccess<Sim>::add_cells(const Owner& p, FragmentSizes& sizes, double density,
@@ -73,8 +73,8 @@ void BreakAccess<Sim>::add_cells(const Owner& p, FragmentSizes& sizes, double de
   sizes.dust = shares.size() > sizes.masses.size() ? std::max(left, 0.0) : 0;
 }
 
-/// Of fragments that have their share of the angular momentum; where dust takes the rest, no more
-/// than so much of it that they have their share of the energy at most.
+/// Angular velocity of fragments that keep their share of the angular momentum. If dust takes the
+/// rest of it, the share is limited such that the fragments have at most their share of the energy.
 template <class Sim>
 template <class Owner>
 Vec3d BreakAccess<Sim>::shared_rotation(const Owner& p, std::span<const Vec3d> places,

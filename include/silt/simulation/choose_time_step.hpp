@@ -34,8 +34,8 @@ std::optional<double> Simulation<Policies...>::time_step_limit(double speed) con
   return shortest ? std::optional<double>(guard.max_time_step * shortest->time) : std::nullopt;
 }
 
-/// The largest speed now, of particles with their tips and of walls, or that of a fall through the
-/// whole scene, whichever is greater [m/s]. What inlets bring does not spin.
+/// The largest speed [m/s]: the present one of particles with their tips and of walls, or that of a
+/// fall through the whole scene, whichever is greater. Particles from inlets do not rotate.
 template <class... Policies>
 double Simulation<Policies...>::expected_speed() const {
   double speed = 0, largest = 0;
@@ -45,7 +45,7 @@ double Simulation<Policies...>::expected_speed() const {
     const detail::SceneSize& all = ranks_scene_.size;
     speed = all.speed, largest = all.radius, scene = all.region;
   }
-  // What is infinite, as planes are, bounds the scene in the directions in which it is flat.
+  // Infinite surfaces, such as planes, bound the scene in the directions normal to them.
   const auto include = [&scene](const Vec3d& p) {
     const auto widen = [](double& low, double& high, double x) {
       if (std::isfinite(x)) low = std::min(low, x), high = std::max(high, x);
@@ -62,9 +62,9 @@ double Simulation<Policies...>::expected_speed() const {
     speed = std::max(speed, norm(inlet.flow.velocity));
     include(inlet.bounds.min), include(inlet.bounds.max);
   }
-  // Walls where they may touch particles, which are more than their centres.
+  // Walls where they may touch particles, whose surfaces extend beyond their centres.
   const Box near = scene.grown(largest);
-  Vec3d period{0, 0, 0};  // that walls repeat with
+  Vec3d period{0, 0, 0};  // of walls
   if constexpr (Domain::periodic && !detail::deforms<Domain>) period = detail::period_of(domain_);
   for (const auto& w : engine_.walls)
     speed =
@@ -88,11 +88,12 @@ double Simulation<Policies...>::expected_speed() const {
                           std::abs(gravity.z) * z + pushed * norm(Vec3d{x, y, z})));
   };
   speed = std::max(speed, fall(scene));
-  // Of a scene that is flat, or bounded by walls aslant alone, a particle's own size is known.
+  // For a scene that is flat, or bounded by inclined walls only, at least the particle size is
+  // known.
   return speed > 0 ? speed : fall(scene.grown(largest));
 }
 
-/// What the time step follows from, of the particles of all ranks (collective).
+/// The quantities that determine the time step, over the particles of all ranks (collective).
 template <class... Policies>
 void Simulation<Policies...>::share_scene() {
   if constexpr (has_ranks) {
@@ -156,7 +157,7 @@ double Simulation<Policies...>::chosen_time_step() const {
   return step_for(speed, shortest->time);
 }
 
-/// silt's own at this speed [m/s], where the shortest contact lasts `contact` [s].
+/// silt's time step at this speed [m/s], if the shortest contact lasts `contact` [s].
 template <class... Policies>
 double Simulation<Policies...>::step_for(double speed, double contact) const {
   double of_springs = INFINITY;
@@ -166,7 +167,7 @@ double Simulation<Policies...>::step_for(double speed, double contact) const {
                    of_springs, this->longest_bond_step()});
 }
 
-/// The step that the next drift has [s].
+/// The time step of the next drift [s].
 template <class... Policies>
 double Simulation<Policies...>::coming_step() const {
   if constexpr (has_breakage)
@@ -174,8 +175,8 @@ double Simulation<Policies...>::coming_step() const {
   return dt_;
 }
 
-/// From the next drift on steps are dt [s] long. Velocities of leapfrog, half an old step ahead of
-/// time() by the last forces, are half a new one ahead of it then: second order.
+/// From the next drift on steps are dt [s] long. The leapfrog velocities, half an old step ahead of
+/// time(), are moved with the last forces to half a new step ahead: second order.
 template <class... Policies>
 void Simulation<Policies...>::change_step(double dt) {
   if (kicked_ && dt_ > 0) {
@@ -187,10 +188,10 @@ void Simulation<Policies...>::change_step(double dt) {
   if constexpr (has_breakage) breaks_.sizes.coming_step = 0;
 }
 
-/// Looks whether the step is that of the smallest particles that are there, in a step that stops
-/// between kick and drift: where the least or the fastest have changed. Where a law's safeguard has
-/// turned a contact in this very step, whose whole kick that takes, it looks again in the next one,
-/// a few times.
+/// Checks, in a step that stops between kick and drift, whether the time step still suits the
+/// smallest particles present; needed if the smallest or the fastest have changed. If a law's
+/// safeguard has ended a contact in this very step, which needs the whole kick, the check is
+/// postponed to the next step, a few times at most.
 template <class... Policies>
 void Simulation<Policies...>::follow_sizes() {
   if constexpr (has_breakage) {
@@ -208,10 +209,11 @@ void Simulation<Policies...>::follow_sizes() {
   }
 }
 
-/// In which nothing at this speed [m/s] goes farther than guard.max_travel allows [s].
+/// The longest step [s] in which nothing at this speed [m/s] moves farther than guard.max_travel
+/// allows.
 template <class... Policies>
 double Simulation<Policies...>::longest_travel_step(double speed) const {
-  double least = engine_.least_radius();  // of convex bodies known from the first step on
+  double least = engine_.least_radius();  // of convex bodies: known from the first step on
   if constexpr (has_breakage)
     if (!this->follows_sizes())
       least = std::min(
@@ -219,7 +221,7 @@ double Simulation<Policies...>::longest_travel_step(double speed) const {
   return least > 0 ? guard.max_travel * least / speed : INFINITY;
 }
 
-/// Of what has been added since the last run.
+/// Includes what has been added since the last run.
 template <class... Policies>
 bool Simulation<Policies...>::is_step_too_long() const {
   const double speed = expected_speed();
@@ -229,8 +231,8 @@ bool Simulation<Policies...>::is_step_too_long() const {
          dt > this->longest_stable_bond_step();
 }
 
-/// Whether the time step is longer than the one that silt would choose now, by more than what the
-/// speeds since it was chosen may have made of it.
+/// Whether the time step is longer than silt would choose now, by more than the change of speeds
+/// since the choice can explain.
 template <class... Policies>
 bool Simulation<Policies...>::is_longer_than_own() const {
   constexpr double by_speeds = 1.05;  // [-]
@@ -239,7 +241,7 @@ bool Simulation<Policies...>::is_longer_than_own() const {
   return !time_step && shortest && dt_ > by_speeds * step_for(speed, shortest->time);
 }
 
-/// Whether the time step is longer than the one that silt chooses for the speeds so far.
+/// Whether the time step is longer than silt would choose for the speeds so far.
 template <class... Policies>
 bool Simulation<Policies...>::is_longer_than_chosen() const {
   const auto limit =

@@ -23,41 +23,41 @@ namespace silt::inline SILT_TARGET {
 
 inline constexpr std::size_t no_facet = std::numeric_limits<std::size_t>::max();
 
-/// A contact as for_each_contact() shows it: of two particles, or of a particle and a wall. Of
-/// bodies each pair of parts has one; of a wall each place where the particle touches a surface.
-/// Forces are those with which the step of time() has moved the particles: of the positions at
-/// time(), and of the velocities half a step before (Leapfrog), which damping and friction need.
+/// A contact as for_each_contact() shows it: of two particles, or of a particle and a wall. Bodies
+/// have one contact for each pair of parts; at a wall there is one for each place where the
+/// particle touches a surface. Forces are those of the step at time(): computed from the positions
+/// at time() and, for damping and friction, from the velocities half a step before (Leapfrog).
 struct ContactSeen {
-  ParticleId a = no_particle;          // of two particles the one with the lower id
-  ParticleId b = no_particle;          // no_particle: it is a wall
-  std::size_t place_a = 0;             // where a stands: 0 ... rows()-1
-  std::size_t place_b = 0;             // the same of b; at a wall rows()
-  std::size_t part_a = 0, part_b = 0;  // which part of a body it is
+  ParticleId a = no_particle;          // the one with the lower id of two particles
+  ParticleId b = no_particle;          // no_particle: the partner is a wall
+  std::size_t place_a = 0;             // index of a: 0 ... rows()-1
+  std::size_t place_b = 0;             // index of b; rows() at a wall
+  std::size_t part_a = 0, part_b = 0;  // number of the part of a body
   std::size_t wall = no_wall;          // the wall's number, or no_wall
   std::size_t surface = 0;             // of the wall's surfaces
   std::size_t facet =
       no_facet;               // of a mesh: the triangle nearest to the point, the lowest of equals
-  Vec3d point{0, 0, 0};       // [m] where the force acts, beside a
-  Vec3d wall_point{0, 0, 0};  // [m] the same on the wall, of which a may touch an image
+  Vec3d point{0, 0, 0};       // [m] where the force acts, in the image of a
+  Vec3d wall_point{0, 0, 0};  // [m] the same on the wall; differs if a touches an image
   Vec3d normal{0, 0, 0};      // [-] from b, or the wall, to a
-  Vec3d branch{0, 0, 0};      // [m] from the centre of b (the point at a wall) to that of a
+  Vec3d branch{0, 0, 0};      // [m] from the centre of b (or the point at a wall) to that of a
   double overlap = 0;         // [m] negative where a law acts at a distance
-  double normal_force = 0;    // [N] > 0 pushes a away from b
+  double normal_force = 0;    // [N] > 0: repulsive
   Vec3d tangential_force{0, 0, 0};             // [N] on a
   Vec3d force{0, 0, 0};                        // [N] on a: the sum of both
-  Vec3d torque_a{0, 0, 0}, torque_b{0, 0, 0};  // [N m] about the centres of mass; b: 0 at walls
-  Vec3d couple{0, 0, 0};  // [N m] on a, besides the moment of `force` at `point`: rolling, areas
-  Vec3d spring{0, 0, 0};  // [N] of the tangential spring on a, without the dashpot
-  double cohesion = 0;    // [N] >= 0, how much of the normal force pulls, of Cohesive
-  /// What law and rolling model remember, as they have it (memory of the first point of an area).
-  /// Of two shapes in a Mix, the first named is i there.
+  Vec3d torque_a{0, 0, 0}, torque_b{0, 0, 0};  // [N m] about the centres of mass; b: 0 for walls
+  Vec3d couple{0, 0, 0};  // [N m] on a, in addition to the moment of `force`: rolling, areas
+  Vec3d spring{0, 0, 0};  // [N] of the tangential spring on a, without its dashpot
+  double cohesion = 0;    // [N] >= 0, attractive part of the normal force (Cohesive)
+  /// The history of law and rolling model in their own order (of the first point of an area). In a
+  /// Mix of two shapes, the shape named first is i there.
   std::span<const double> history;
 };
 
 namespace detail {
 
-/// Whether a program asks this type of simulation for its contacts, wherever it does: what
-/// instantiates for_each_contact() sets it before main().
+/// Whether a program reads the contacts of this type of simulation anywhere: instantiating
+/// for_each_contact() sets it before main().
 template <class Sim>
 inline bool asks_for_contacts = false;
 template <class Sim>
@@ -65,7 +65,7 @@ struct ContactsAsked {
   static inline const bool noted = (asks_for_contacts<Sim> = true);
 };
 
-/// Turns the record of a step into ContactSeen, in the order of ids.
+/// Converts the record of a step to ContactSeen, in the order of ids.
 template <class Engine, class Domain>
 class ContactReader {
  public:
@@ -95,7 +95,7 @@ class ContactReader {
     std::uint32_t index;
     bool swapped;
   };
-  // The order of ids is not that of memory: what is read of a contact is fetched before.
+  // The order of ids is not that of memory, so the data of later contacts are prefetched.
   static constexpr std::size_t ahead = 8;
   template <class T>
   static void fetch(const T* of) {
@@ -118,18 +118,18 @@ class ContactReader {
   ParticleId id_of(std::uint32_t row) const {
     return e_.particles.is_parked(row) ? no_particle : e_.id_of(row);
   }
-  /// By a, b, then what is not the same of several contacts of two: buckets of ids that follow each
-  /// other, each sorted. Without contacts of particles that have left since.
+  /// Sorts by a, b, then by what distinguishes several contacts of the same two: buckets of
+  /// consecutive ids, each sorted. Contacts of particles that have left since are dropped.
   void put_in_order() {
     const std::vector<Place> found = those_present();
     if (found.empty()) return;
     const auto [low, high] = std::minmax_element(
         found.begin(), found.end(), [](const Place& p, const Place& q) { return p.a < q.a; });
     const ParticleId from = low->a;
-    int shift = 0;  // 2^shift ids a bucket, so that there are fewer buckets than contacts
+    int shift = 0;  // 2^shift ids per bucket, fewer buckets than contacts
     while ((high->a - from) >> shift >= found.size()) ++shift;
     const std::size_t buckets = ((high->a - from) >> shift) + 1;
-    // begin[k + 1] is where bucket k goes on, and in the end where it ends.
+    // begin[k + 1] is the next free place of bucket k, and its end when all are filled.
     std::vector<std::uint32_t> begin(buckets + 2, 0);
     for (const Place& p : found) ++begin[((p.a - from) >> shift) + 2];
     std::partial_sum(begin.begin(), begin.end(), begin.begin());
@@ -147,7 +147,7 @@ class ContactReader {
       const ParticleId first = id_of(c.first), second = at_wall ? no_particle : id_of(c.second);
       if (first == no_particle || (!at_wall && second == no_particle)) continue;
       const bool swapped = second < first;
-      if constexpr (Engine::of_ranks)  // of two ranks the one that owns the lower id has it
+      if constexpr (Engine::of_ranks)  // reported by the owner of the lower id
         if ((swapped ? c.second : c.first) >= e_.particles.owned()) continue;
       found.push_back({swapped ? second : first, swapped ? first : second, k, swapped});
     }
@@ -158,7 +158,7 @@ class ContactReader {
     if (p.b != q.b) return p.b < q.b;
     return among_two(p) < among_two(q);
   }
-  /// Mostly some two or three, for which sorting by insertion is the fastest.
+  /// Buckets usually hold two or three contacts, for which insertion sort is the fastest.
   void sort(std::size_t from, std::size_t to) {
     const auto before = [this](const Place& p, const Place& q) { return comes_before(p, q); };
     if (to - from > 16) {
@@ -173,7 +173,7 @@ class ContactReader {
       order_[at] = one;
     }
   }
-  /// What tells contacts of the same two apart.
+  /// What distinguishes contacts of the same two partners.
   auto among_two(const Place& p) const {
     const RecordedForce& c = e_.record.contacts[p.index];
     return std::tuple(c.wall, c.surface, part_of(p.swapped ? c.second : c.first),
@@ -183,15 +183,15 @@ class ContactReader {
     return row & RecordedForce::wall_bit ? 0 : e_.part_of(row);
   }
 
-  /// `swapped`: the first row's particle is b. Inline, so that what a caller does not read is not
-  /// computed.
+  /// `swapped`: the first row's particle is b. Inline, so that values that a caller does not read
+  /// are not computed.
   SILT_INLINE ContactSeen seen(const RecordedForce& r, std::size_t index, bool swapped) const {
     const auto& rows = e_.particles.position;
     const PositionRow& first = rows[r.first];
     const bool at_wall = r.at_wall();
     RecordedTurn turn;
     if (!e_.record.turns.empty()) turn = e_.record.turns[index];
-    // Spheres meet where the overlap is shared in proportion to the radii: the law's lever arms.
+    // For spheres the overlap is shared in proportion to the radii, as for the law's lever arms.
     if constexpr (!Engine::convex) {
       const double reach = first.r + (at_wall ? 0 : rows[r.second].r);
       turn.arm = -(first.r * (reach - r.overlap) / reach) * r.normal;
@@ -212,7 +212,7 @@ class ContactReader {
     } else {
       Vec3d between = rows[r.second].centre() - first.centre();
       if constexpr (Domain::periodic) between = domain_.shortest(between);
-      const Vec3d own = e_.centre_beside(r.second);  // of which this is the image beside the first
+      const Vec3d own = e_.centre_beside(r.second);  // the second is an image near the first
       const Vec3d other = first.centre() + between + (own - rows[r.second].centre());
       c.branch = centre - other;
       c.torque_b = cross(point - other, -r.force) + turn.couple_j;
@@ -234,7 +234,7 @@ class ContactReader {
 
   static constexpr bool walls_repeat = std::remove_cvref_t<decltype(Engine::lists.walls)>::repeats;
 
-  /// Candidates at meshes, and all if walls are met by images; to be found by row, wall and
+  /// Candidates at meshes (all candidates if walls have images), to be looked up by row, wall and
   /// surface.
   void list_candidates() {
     const auto candidates = e_.lists.walls.candidates();
@@ -255,8 +255,8 @@ class ContactReader {
         std::get_if<std::shared_ptr<const TriangleMesh>>(&e_.walls[c.wall].surfaces[c.surface]);
     return mesh != nullptr ? mesh->get() : nullptr;
   }
-  /// Which facet is touched, and where the wall sees the point. (The images of a wall that a
-  /// particle may touch stand side by side in the list.)
+  /// Which facet is touched, and the point relative to the wall. (The images of a wall that a
+  /// particle may touch are adjacent in the list.)
   void look_at_wall(const RecordedForce& r, ContactSeen& c) const {
     const Listed wanted{r.first, r.wall, r.surface, nullptr};
     const auto [from, to] =
@@ -276,7 +276,7 @@ class ContactReader {
     c.wall_point = e_.lists.walls.seen(*touched, c.point);
     const TriangleMesh* const mesh = mesh_of(r);
     if (mesh == nullptr) return;
-    // Seen from a little above the point, so that it is the face that looks at the particle.
+    // From slightly above the point, to find the face that points to the particle.
     const double above = 1e-3 * e_.particles.position[r.first].r;
     const Vec3d eye =
         in_wall(e_.walls[r.wall], e_.lists.walls.seen(*touched, c.point + above * c.normal));
@@ -293,19 +293,19 @@ class ContactReader {
   std::vector<Listed> listed_;
 };
 
-/// What users read of the contacts of a Simulation, which has this function as its own.
+/// Read access to the contacts of a Simulation; member functions of Simulation.
 template <class Sim>
 class ContactAccess {
  public:
-  /// Pairs of particles that touch [-]; of bodies, of their parts. O(pairs); on many ranks
-  /// collective (RankAccess).
+  /// Number of pairs of particles that touch [-]; for bodies, of their parts. Cost O(pairs);
+  /// collective with several ranks (RankAccess).
   std::size_t touching_pairs() const {
     const std::size_t own = sim().engine_.touching_pairs(sim().domain_);
     if constexpr (Sim::has_ranks)
       return static_cast<std::size_t>(sim().sum_over_ranks(static_cast<double>(own)));
     return own;
   }
-  /// How many contacts the law's safeguard has ended since the start [-] (Softened).
+  /// Number of contacts that the law's safeguard has ended since the start [-] (Softened).
   template <class S = Sim>
   std::uint64_t safeguarded() const requires has_safeguard<typename S::ContactsType::Law> {
     static_assert(!S::has_ranks,
@@ -313,12 +313,12 @@ class ContactAccess {
                   "ranks would count twice; leave Ranks out");
     return sim().engine_.safeguards;
   }
-  /// Calls f(const ContactSeen&) for each contact of the step of time(), in the order of ids: in
-  /// observers, and between runs. Steps are recorded that somebody of the program's own observes,
-  /// and the last one of each run (keep_contacts). Costs O(contacts); changes nothing.
-  /// On many ranks each contact is visited on the rank that owns a; where another one owns b,
-  /// place_b is no place of this rank.
-  /// Errors: InputError where the present step was not recorded.
+  /// Calls f(const ContactSeen&) for each contact of the step at time(), in the order of ids. It
+  /// can be called in observers and between runs: steps with an observer written by the user, and
+  /// the last step of each run, are recorded (keep_contacts). Cost O(contacts); changes nothing.
+  /// With several ranks each contact is visited on the rank that owns a; if another rank owns b,
+  /// place_b is not a place of this rank.
+  /// Errors: InputError if the present step was not recorded.
   template <class F>
   void for_each_contact(F&& f) const {
     static_cast<void>(&ContactsAsked<Sim>::noted);
@@ -326,11 +326,11 @@ class ContactAccess {
   }
   /// Whether for_each_contact() can be called now.
   bool has_contacts() const { return is_recorded() && sim().engine_.record.is_whole(); }
-  /// Whether the present step is done and was not recorded, as before a run that goes on: observers
-  /// that read contacts are due one step later.
+  /// Whether the present step was done without being recorded, as before a run that continues:
+  /// observers that read contacts are then called one step later.
   bool awaits_contacts() const { return sim().kicked_ && !is_recorded(); }
-  /// The same for observers that say themselves that they read contacts (reads_contacts); spring,
-  /// cohesion and history are missing if none of them wants more than forces.
+  /// The same for observers that declare that they read contacts (reads_contacts); spring, cohesion
+  /// and history are missing if none of them needs more than forces.
   template <class F>
   void visit_contacts(F&& f, const char* who) const {
     visit(f, who, is_recorded());

@@ -11,14 +11,14 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// An observer that looks at every step for contacts that the lists have missed: all particles that
-/// touch are found anew by another search, and must stand in the list that the forces were computed
-/// from. A search of one's own, or doubt about silt's, is reason to switch it on:
+/// An observer that checks in every step that the neighbour lists have missed no contact: another
+/// search finds all touching particles, which must be in the list that the forces were computed
+/// from. Use it to test a search of your own, or if you doubt silt's:
 ///
 ///   sim.run(1.0, silt::ContactCheck{});                                   every step
-///   sim.run(1.0, silt::at(silt::every(1e-3), silt::ContactCheck{}));      now and then
+///   sim.run(1.0, silt::at(silt::every(1e-3), silt::ContactCheck{}));      at intervals
 ///
-/// It takes about as long as a search without a list, and changes no result.
+/// It costs about as much as a search without a list, and changes no result.
 /// Errors: SimulationError that names two particles that touch and were not listed.
 /// Tests:  tests/engine/contact_check.cpp.
 template <NeighbourSearch Oracle = Nbs>
@@ -59,7 +59,7 @@ class ContactCheck {
     }
     contacts_ += touching_.size();
   }
-  /// Contacts that were looked at, over all steps.
+  /// Number of contacts checked, over all steps.
   std::size_t contacts() const { return contacts_; }
 
  private:

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Which Simulation a list of policies makes.
+// Deduction of the type of a Simulation from a list of policies.
 
 #include <cstddef>
 #include <type_traits>
@@ -22,9 +22,9 @@ template <class... Ps>
 requires(count<IsKernels, Ps...> > 0) struct WithKernels<Ps...> {
   using type = Policies<Ps...>;
 };
-/// Policies in the order of their axes, without defaults: scenes that differ in how they are
-/// written down have one type, which is compiled once (silt/precompiled.hpp). A list that makes no
-/// simulation stays as it is, for the sentence about it.
+/// Policies in the order of their axes, without defaults: scenes written in a different order have
+/// one type, which is compiled once (silt/precompiled.hpp). A list that makes no valid simulation
+/// is kept as it is, for the message about it.
 template <class List>
 struct Ordered {
   using type = List;
@@ -56,7 +56,8 @@ using PolicyAt = typename PolicyOf<k, OrderedFor<Args...>>::type;
 
 }  // namespace detail
 
-// A guide cannot name a list of types, but their places. More than five stay as they are written.
+// A deduction guide cannot name a list of types, only their places. Lists of more than five are
+// kept as they are written.
 template <class... Args>
 requires(detail::policies_in_order<Args...> == 3) Simulation(Args&&...)
 ->Simulation<detail::PolicyAt<0, Args...>, detail::PolicyAt<1, Args...>,

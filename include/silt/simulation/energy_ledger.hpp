@@ -13,44 +13,44 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Where the energy is, and where it went since the first step [J].
+/// Energy stored in a simulation, and where energy came from and went to since the first step [J].
 struct EnergyBalance {
-  // Now.
+  // Stored now.
   double translation, rotation;        // kinetic, of particles that are not fixed
-  double gravity;                      // - m g x, against the origin
+  double gravity;                      // - m g x, relative to the origin
   double normal, tangential, rolling;  // in the springs of contacts
-  double bonds;                        // in the springs of bonds
-  // Lost since the start: none of these falls from one observation to the next by more than the
-  // error of the step (residual()), but normal_damping with cohesion. Friction and rolling
-  // resistance are what tangential forces (less their dashpots) and couples took and neither hold
-  // nor gave back; partial slip (Mindlin's law on loading) is friction, and so is what a tangential
-  // spring still held as its contact ended. Damping and friction are told apart on every fourth
-  // step and on those that are observed, their sum is known of each.
-  double normal_damping;  // of dashpots; with cohesion also what attractions took less gave back
+  double bonds;                        // stored in bonds
+  // Dissipated since the start. None of these decreases from one observation to the next by more
+  // than the error of the step (residual()), except normal_damping with cohesion. Friction and
+  // rolling resistance are the work of tangential forces (without their dashpots) and of couples
+  // that is neither stored nor returned. Partial slip (Mindlin's law on loading) counts as
+  // friction, and so does the energy in a tangential spring when its contact ends. Damping and
+  // friction are separated in every fourth step and in observed ones; their sum is known in each
+  // step.
+  double normal_damping;      // of dashpots; with cohesion also its net loss
   double tangential_damping;  // of dashpots
   double friction;
-  double rolling_resistance;  // with twisting
-  double bond_damping;        // of their dashpots
-  double bond_breaking;       // that bonds held when they broke
-  double breaking;            // kinetic energy that particles had as they broke, and their
-                              // fragments have not
-  // Brought in since the start.
-  double walls;            // work of moving walls and belts, and of fixed particles that move
-  double openings;         // with particles that came, less with those that left
-  double changed_gravity;  // by setting `gravity` anew
-  double fluid;            // work of the fluid on particles that are not fixed
-  double modules;          // work of modules that push, likewise
+  double rolling_resistance;  // including twisting
+  double bond_damping;        // of the dashpots of bonds
+  double bond_breaking;       // stored in bonds when they broke
+  double breaking;            // kinetic energy that particles lost on breaking
+  // Supplied since the start.
+  double walls;            // work of moving walls, belts and prescribed particles
+  double openings;         // of particles added, less those that left
+  double changed_gravity;  // by changes of `gravity`
+  double fluid;            // work of the fluid on mobile particles
+  double modules;          // work of module forces on mobile particles
   double box;              // work of a DeformingBox; kinetic energies are relative to its flow
-  double parting;          // as fragments that overlap at birth are set apart (Breakage)
-  double stiffening;  // by laws that remember the tangential displacement while the stiffness grows
-                      // (TangentialMemory::Displacement of Hertz' contacts, Dcdem): from nothing
+  double parting;          // by separating fragments that overlap at birth (Breakage)
+  double stiffening;       // gained where stiffness grows and the tangential displacement is kept
+                           // (TangentialMemory::Displacement of Hertz contacts, Dcdem)
 
-  /// Of walls that are free, now: kinetic, against gravity, in their springs and of their constant
-  /// forces. Not in held(): what they give to particles is in `walls`; held() + free_walls is that
-  /// of both.
+  /// Present energy of free walls: kinetic, in gravity, in their springs, and of their constant
+  /// forces. It is not part of held(): what they give to particles is in `walls`; held() +
+  /// free_walls is the total.
   double free_walls;
-  double initial;      // all that was there at the first step
-  double turned_over;  // by normal forces since then, once in and out
+  double initial;      // total at the first step
+  double turned_over;  // by normal forces since then, counting storage and release
 
   double kinetic() const { return translation + rotation; }
   double elastic() const { return normal + tangential + rolling + bonds; }
@@ -62,25 +62,26 @@ struct EnergyBalance {
   double supplied() const {
     return walls + openings + changed_gravity + fluid + modules + box + parting + stiffening;
   }
-  /// What the books cannot explain: the error of time integration, second order in the step with
-  /// Leapfrog; first with SymplecticEuler, while forces act, and Gear, with damping or friction
-  /// (docs/energy.md has numbers). First order are also: gravity that is set anew between runs,
-  /// half a step of which is that from before; with friction, the change of the lever arm in half a
-  /// step (some 1e-7 of the energy turned over at 1000 steps a contact), RollingOwn, and ends of
-  /// contact with DampingEnd::ZeroOverlap at walls that are not planes at rest, or without a Verlet
-  /// list. Normal springs are in it too of contacts that a particle had as it left through an
-  /// outlet, and of those of bodies that are removed, or whose wall is.
+  /// The energy that the balance does not explain: the error of time integration. It is second
+  /// order in the step with Leapfrog, first order with SymplecticEuler while forces act, and with
+  /// Gear if there is damping or friction (docs/energy.md has numbers). First order are also: a
+  /// change of gravity between runs, because half a step uses the previous value; with friction,
+  /// the change of the lever arm in half a step (some 1e-7 of the energy turned over at 1000 steps
+  /// per contact); RollingOwn; and ends of contact with DampingEnd::ZeroOverlap at walls that are
+  /// not planes at rest, or without a Verlet list. It also contains the energy in normal springs of
+  /// particles that leave through an outlet during contact, and of bodies that are removed or whose
+  /// wall is removed.
   double residual() const { return held() + dissipated() - supplied() - initial; }
 };
 
 namespace detail {
 
-/// The books of one simulation.
+/// The energy balance of one simulation.
 class EnergyBook {
  public:
-  /// Books one step after its forces are known. `start`: what the particles have at the first one,
-  /// kinetic and against gravity; `fixed_power` [W]: of contacts on fixed particles that move;
-  /// `asked`: contacts have said what they store; sum(numbers): over all ranks.
+  /// Books one step after its forces are known. `start`: energy of the particles at the first step,
+  /// kinetic and in gravity; `fixed_power` [W]: of contacts on prescribed particles that move;
+  /// `asked`: contacts have reported stored energies; sum(numbers): over all ranks.
   template <class Sum>
   void book(const ContactEnergy<double>& contacts, std::span<const Wall> walls, double time_step,
             double fixed_power, const double* start, bool asked, const Sum& sum) {
@@ -101,29 +102,29 @@ class EnergyBook {
     last_fixed_power_ = fixed_power;
   }
   void bring_in(double energy) { openings_ += energy; }
-  /// Of what was there and has gone before the first forces [J].
+  /// Energy that was present and left before the first forces [J].
   void was_there(double energy) { initial_ += energy; }
   void change_gravity(double energy) { changed_gravity_ += energy; }
   void fluid_worked(double energy) { of_fluid_ += energy; }
   void modules_worked(double energy) { of_modules_ += energy; }
   void bond_broken(double energy) { bond_breaking_ += energy; }
   void broke(double energy) { breaking_ += energy; }
-  /// Of contacts that were ended from outside (EndedContacts): work of forces that are no springs.
+  /// Contacts that were ended from outside (EndedContacts): work of the non-elastic forces.
   void ended(const ContactEnergy<double>& work) { work_.add(work); }
-  /// The same, of which edits have taken the normal springs away.
+  /// The same, where an edit has also removed the energy of normal springs.
   void removed(const ContactEnergy<double>& work, double springs) {
     work_.add(work), bring_in(-springs), stored_.normal -= springs;
   }
-  /// Books the dashpots of bonds, of the power [W] that their forces have at the velocities of half
-  /// a step ago. The work of a force F_n in the leapfrog is F_n (v_n-1/2 + v_n+1/2)/2; with F_n =
-  /// -c v_n-1/2 that is P_n 3/4 + P_n-1 1/4 summed over steps, to second order in the step.
+  /// Books the dashpots of bonds from the power [W] of their forces at the velocities of half a
+  /// step ago. The work of a force F_n in the leapfrog is F_n (v_n-1/2 + v_n+1/2)/2; with F_n = -c
+  /// v_n-1/2 that is P_n 3/4 + P_n-1 1/4 summed over steps, to second order in the step.
   void bonds_damped(double power, double time_step) {
     bond_damping_ -= time_step * (0.75 * power + 0.25 * last_bond_power_);
     last_bond_power_ = power;
   }
 
-  /// On many ranks of this one, so that the balances of all add up; `tells`: it is the one that
-  /// tells what is known of all together.
+  /// With several ranks, this rank's part, so that all parts add up; `tells`: this rank includes
+  /// the terms that are known for all ranks together.
   EnergyBalance balance(double translation, double rotation, double gravity, double free_walls,
                         bool tells) const {
     EnergyBalance e{};
@@ -141,7 +142,7 @@ class EnergyBook {
     return e;
   }
 
-  // The books as numbers, for a checkpoint.
+  // The balance as numbers, for a checkpoint.
   std::vector<double> state() const {
     std::vector<double> all{of_walls_,         openings_,        changed_gravity_, initial_,
                             last_fixed_power_, of_fluid_,        since_asked_,     last_power_,
@@ -173,8 +174,8 @@ class EnergyBook {
                        {all[at + 3], all[at + 4], all[at + 5]},
                        {all[at + 6], all[at + 7], all[at + 8]}});
   }
-  /// Of many ranks' books, where another number of ranks goes on: each has what all know, and of
-  /// what ranks add up one may have the sum.
+  /// For the balances of several ranks, if another number of ranks continues: each rank keeps the
+  /// terms known to all; of the terms summed over ranks only one rank keeps the sum.
   void forget_own() {
     EnergyBook all;
     all.last_ = last_;
@@ -198,13 +199,13 @@ class EnergyBook {
   static constexpr std::size_t least_size = 15 + 3 * terms;
 
  private:
-  /// What tangential forces have taken and their springs do not hold [J].
+  /// Work of tangential forces that is not stored in their springs [J].
   double tangential_loss() const {
     return work_.stiffening - work_.shear - (stored_.tangential - at_start_.tangential);
   }
-  /// The loss of dashpots is their power, which is known of some steps, integrated over time;
-  /// friction is the rest of the loss, the largest that it has been: the integral errs to both
-  /// sides, and friction gives nothing back. So neither part falls while the loss grows.
+  /// The loss in dashpots is their power, known in some steps, integrated over time. Friction is
+  /// the rest of the loss, and its largest value so far: the integral has errors of both signs, and
+  /// friction returns no energy. So neither part decreases while the loss grows.
   template <class Sum>
   void tell_apart(const Sum& sum) {
     std::array<double, 2> of{stored_.shear_damping, tangential_loss()};
@@ -220,7 +221,7 @@ class EnergyBook {
 
   /// Work of a wall on the particles in the last step [J]: mean load times displacement.
   static double work_of(const Wall& wall, const Load& last) {
-    // Displacement of the wall where the torque is taken about, the same forwards and backwards.
+    // Displacement of the wall at the reference point of the torque; symmetric in time.
     const auto moved = [&](const Vec3d& p) {
       return 0.5 * (wall.pose.to_space(wall.last_pose.to_body(p)) -
                     wall.last_pose.to_space(wall.pose.to_body(p)));
@@ -237,14 +238,14 @@ class EnergyBook {
   }
 
   ContactEnergy<double> stored_ = no_energy<double>(), at_start_ = stored_, work_ = stored_;
-  std::vector<Load> last_;  // of each wall
+  std::vector<Load> last_;  // per wall
   double of_walls_ = 0, openings_ = 0, changed_gravity_ = 0, initial_ = 0, last_fixed_power_ = 0;
   double of_fluid_ = 0, of_modules_ = 0;
   double breaking_ = 0, bond_damping_ = 0, bond_breaking_ = 0;  // [J]
   double last_bond_power_ = 0;                                  // [W] of their dashpots
   double since_asked_ = 0;                                      // [s]
-  double last_power_ = 0;  // [W] of tangential dashpots when last asked
-  double damped_ = 0;      // [J] by them, integrated
+  double last_power_ = 0;  // [W] of tangential dashpots, last value
+  double damped_ = 0;      // [J] their loss, integrated
   double friction_ = 0;    // [J]
 };
 

@@ -7,11 +7,11 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What users read of a fluid around the particles; a Simulation has these functions as its own.
+/// Read access to the fluid; member functions of Simulation.
 template <class Sim>
 class FluidAccess {
  public:
-  /// The fluid and what it has done.
+  /// The fluid with its counters.
   template <class S = Sim>
   auto& fluid() requires(S::Fluid::active) {
     return sim().fluid_;
@@ -20,7 +20,7 @@ class FluidAccess {
   const auto& fluid() const requires(S::Fluid::active) {
     return sim().fluid_;
   }
-  /// What the fluid does to particle k at present [N].
+  /// The force of the fluid on particle k at present [N].
   template <class S = Sim>
   Vec3d fluid_force(std::size_t k) const requires(S::Fluid::active) {
     return sim().engine_.fluid_loads().force[sim().known(k)].vector();

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of Simulation: the limits that every step is checked against (Guard).
+// Parts of Simulation: the limits that are checked in every step (Guard).
 
 #include <silt/simulation.hpp>
 
@@ -13,7 +13,7 @@ void Simulation<Policies...>::keep_limits() {
   const bool lets_pass = detail::lets_long_steps_pass(guard);
   if (!engine_.finite) detail::throw_not_finite(engine_, step_, time_, lets_pass);
   if (kicked_) detail::check_spins(engine_, step_, time_, lets_pass);
-  // Unless observers look at this step, the particles have moved on from where forces acted.
+  // Unless observers look at this step, particles have moved on since the forces acted.
   const double back = kicked_ ? 0 : dt_;
   if (engine_.largest_overlap > overlap_limits_.least(guard.max_overlap))
     detail::check_overlaps(
@@ -27,7 +27,7 @@ void Simulation<Policies...>::keep_limits() {
   if constexpr (Modules::flux)
     if (engine_.fluxes().measured()) {
       check_module_rates();
-      if constexpr (!has_ranks) choose_flux_steps();  // on ranks when all have come so far
+      if constexpr (!has_ranks) choose_flux_steps();  // several ranks do it later, together
     }
   if constexpr (Modules::in_pairs && !Modules::flux)
     if (modules_.near.measured()) check_module_rates();
@@ -59,7 +59,7 @@ void Simulation<Policies...>::keep_limits() {
     detail::check_inside(engine_, *guard.domain, step_, time_);
 }
 
-/// What to change where the time step is above its limit, for a message.
+/// What to change if the time step is above its limit, for a message.
 template <class... Policies>
 std::string Simulation<Policies...>::step_advice() const {
   std::string advice = "; ";
@@ -72,7 +72,7 @@ std::string Simulation<Policies...>::step_advice() const {
   return advice + "set a smaller Simulation::time_step or a softer material";
 }
 
-/// The speed of the surface of particle k at time().
+/// The surface speed of particle k at time().
 template <class... Policies>
 detail::SurfaceSpeed Simulation<Policies...>::surface_speed(std::size_t k) const {
   if constexpr (rotates) {
@@ -84,7 +84,7 @@ detail::SurfaceSpeed Simulation<Policies...>::surface_speed(std::size_t k) const
   }
 }
 
-/// Names the particle whose surface has this speed [m/s] at time(), for a message.
+/// The name of the particle with this surface speed [m/s] at time(), for a message.
 template <class... Policies>
 std::string Simulation<Policies...>::tips_at(double speed) const {
   for (std::size_t k = 0; k < rows(); ++k)
@@ -93,7 +93,7 @@ std::string Simulation<Policies...>::tips_at(double speed) const {
   return {};
 }
 
-/// Checks the rates of all contacts, which takes as long as a few steps: at intervals, and when the
+/// Checks the rates of all contacts, which costs as much as a few steps: at intervals, and when the
 /// largest overlap has grown by a quarter.
 template <class... Policies>
 void Simulation<Policies...>::keep_rates(double back) {
@@ -109,7 +109,7 @@ void Simulation<Policies...>::keep_rates(double back) {
         .check(step_, time_, guard.max_rate);
 }
 
-/// The same for free walls on many ranks (collective).
+/// The same for free walls on several ranks (collective).
 template <class... Policies>
 void Simulation<Policies...>::keep_rates_of_walls() {
   if constexpr (has_ranks) {

@@ -12,12 +12,12 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What users read and set of the modules of a Simulation, which has these functions as its own.
+/// Access to the modules of a Simulation; member functions of Simulation.
 template <class Sim>
 class ModuleAccess {
  public:
-  /// The fields of a module for particle k, to read and to set: sim.field<Residence>(k).seconds.
-  /// Or a quantity that some module has, whichever it is: sim.field<Temperature>(k) = 350.
+  /// The fields of a module for particle k, to read and to set: sim.field<Residence>(k).seconds. Or
+  /// a quantity, whichever module provides it: sim.field<Temperature>(k) = 350.
   template <class M>
   auto& field(std::size_t k) {
     return of<M>(sim(), k);
@@ -35,13 +35,13 @@ class ModuleAccess {
   const auto& field(std::size_t k) const {
     return field<typename Sim::Modules::template named<Name>>(k).value;
   }
-  /// Calls visit.operator()<Components>(name, value) for each field of each module, where value(k)
-  /// is a double, or of a vector field three of them.
+  /// Calls visit.operator()<Components>(name, value) for each field of each module; value(k) is a
+  /// double or, for a vector field, three of them.
   template <class Visit>
   void for_each_field(const Visit& visit) const {
     sim().engine_.modules().for_each_field(visit);
   }
-  /// A module itself, whose parameters may change between runs and in observers.
+  /// A module itself; its parameters may be changed between runs and in observers.
   template <class M>
   M& module() {
     return sim().modules_.template get<M>();
@@ -50,9 +50,9 @@ class ModuleAccess {
   const M& module() const {
     return sim().modules_.template get<M>();
   }
-  /// What a wall has given to the particles of a module with a flux, at present and in all: heat
-  /// [W], [J]. Negative: it has taken. M is the module, or a quantity that it has:
-  /// given_by_wall<Temperature>(wall). On many ranks by the wall to all particles (collective).
+  /// What a wall gives to the particles through a module with a flux, now and in total: heat [W],
+  /// [J]. Negative: the wall receives. M is the module, or a quantity that it provides:
+  /// given_by_wall<Temperature>(wall). With several ranks, to all particles (collective).
   template <class M>
   WallGiven given_by_wall(const WhichWall& which) const {
     if constexpr (FieldQuantity<M>) {
@@ -71,9 +71,9 @@ class ModuleAccess {
       return given;
     }
   }
-  /// Gives a wall another thermal condition, between runs or in observers: held_at(), heated_by()
-  /// or insulated(). It acts from the next step on, and checkpoints keep it. InputError: a wall
-  /// that is not there, or whose material the module of heat does not know.
+  /// Changes the thermal condition of a wall, between runs or in observers: held_at(), heated_by()
+  /// or insulated(). It takes effect in the next step and is saved in checkpoints. InputError: no
+  /// such wall, or its material is unknown to the heat module.
   void set_wall_heat(const WhichWall& which, WallHeat heat) {
     auto& module =
         sim().modules_.template get<typename Sim::Modules::template having<HeatFields>>();
@@ -84,9 +84,9 @@ class ModuleAccess {
     const std::size_t w = sim().wall_number(which);
     module.check_wall(sim(), w, heat);
     module.walls.set(sim(), w, std::move(heat), "HeatConduction.walls");
-    sim().flux_every_ = 1;  // fluxes are asked for anew
+    sim().flux_every_ = 1;  // evaluate fluxes anew
   }
-  /// What modules push particle k with at present [N].
+  /// The sum of module forces on particle k at present [N].
   Vec3d module_force(std::size_t k) const {
     static_assert(Sim::Modules::push, "no module of this simulation has a force");
     return sim().engine_.modules().force[sim().known(k)].vector();

@@ -13,14 +13,14 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Names of materials and of forms, as walls have them (simulation/wall_access.hpp); a Simulation
-/// has these functions as its own. Names are unique among the materials, and among the forms; they
-/// stand in messages, and are in no file. InputError: there is no such material or form, or a name
-/// that cannot be. Tests: tests/engine/names.cpp.
+/// Names of materials and of forms, like those of walls (simulation/wall_access.hpp); member
+/// functions of Simulation. Names are unique among materials and among forms; they appear in
+/// messages, but in no file. InputError: no such material or form, or an invalid name. Tests:
+/// tests/engine/names.cpp.
 template <class Sim>
 class NameAccess {
  public:
-  /// As messages call it: "material 1 'steel'".
+  /// The name used in messages: "material 1 'steel'".
   std::string material_name(std::size_t k) const { return sim().contacts_.material_name(k); }
   std::size_t material_number(const WhichMaterial& which) const {
     return sim().contacts_.material_number(which);
@@ -30,9 +30,9 @@ class NameAccess {
   void name_material(const WhichMaterial& which, std::string name) {
     sim().contacts_.name_material(which, std::move(name));
   }
-  /// Sets what belongs to contacts of these two materials, by number or name: from the next run on,
-  /// as for a wall that came between two runs (its material: sim.wall("lid").material). Before
-  /// there is a simulation: Contacts::set_pair.
+  /// Sets pair values for contacts of these two materials, by number or name, from the next run on;
+  /// for example for a wall added between two runs (its material: sim.wall("lid").material). Before
+  /// the simulation exists: Contacts::set_pair.
   template <class S = Sim>
   void set_pair(const WhichMaterial& a, const WhichMaterial& b,
                 const typename S::ContactsType::Law::Pair& pair) {
@@ -41,11 +41,11 @@ class NameAccess {
     const bool lacked = !contacts.has_pair(i, j);
     contacts.set_pair_of(i, j, pair);
     contacts_changed();
-    // Nothing has touched with it so far; in the middle of a run something may soon.
+    // Nothing has touched with this pair so far; in the middle of a run something soon may.
     if (lacked && std::max(i, j) < sim().engine_.coefficients.materials)
       sim().engine_.set_coefficients(contacts);
   }
-  /// The same of their rolling resistance.
+  /// The same for rolling resistance.
   template <class S = Sim>
   void set_rolling(
       const WhichMaterial& a, const WhichMaterial& b,
@@ -53,13 +53,14 @@ class NameAccess {
     sim().contacts_.set_rolling_of(a, b, rolling);
     contacts_changed();
   }
-  /// Lets particles and walls of these two materials, by number or name, overlap by up to `limit`
-  /// [-] of the smaller radius, in place of guard.max_overlap: a heavy body that hits light grains.
+  /// Allows particles and walls of these two materials, by number or name, to overlap by up to
+  /// `limit` [-] relative to the smaller radius, instead of guard.max_overlap: for example a heavy
+  /// body that hits light grains.
   void set_max_overlap(const WhichMaterial& a, const WhichMaterial& b, double limit) {
     require_positive("Simulation::set_max_overlap: limit", limit, "-");
     sim().overlap_limits_.set(material_number(a), material_number(b), limit);
   }
-  /// The same of all materials of these values.
+  /// The same for all materials with these values.
   template <class S = Sim>
   void set_max_overlap(const typename S::ContactsType::Material& a,
                        const typename S::ContactsType::Material& b, double limit) {
@@ -76,7 +77,7 @@ class NameAccess {
     for (const std::size_t i : equal(a))
       for (const std::size_t j : equal(b)) set_max_overlap(i, j, limit);
   }
-  /// As messages call it: "form 2 'cube'".
+  /// The name used in messages: "form 2 'cube'".
   template <class S = Sim>
   std::string form_name(std::size_t k) const requires(S::of_bodies) {
     return names<S>().words(k);
@@ -101,13 +102,13 @@ class NameAccess {
   }
 
  protected:
-  /// Before a run, and where an observer has changed the scene. InputError: two materials that may
-  /// touch have no pair value. Those that only walls have never do.
+  /// Checked before a run, and after an observer has changed the scene. InputError: two materials
+  /// that may touch have no pair value. Materials of walls only never touch each other.
   void check_pairs() const {
     const auto& contacts = sim().contacts_;
     const std::size_t n = contacts.materials();
     const std::size_t of_particles = Sim::ContactsType::several_materials ? n : 1;
-    std::vector<bool> moves;  // of each material: whether particles have it, or will
+    std::vector<bool> moves;  // per material: whether particles have it, or will
     for (std::size_t a = 0; a < of_particles; ++a)
       for (std::size_t b = 0; b < n; ++b) {
         if (contacts.has_pair(a, b)) continue;
@@ -118,7 +119,7 @@ class NameAccess {
   }
 
  private:
-  /// The time step is held against its limit at the next run.
+  /// The time step is checked against its limit at the next run.
   void contacts_changed() { sim().scene_changed_ = true, sim().checked_speed_ = 0; }
   std::vector<bool> of_particles_to_come() const {
     std::vector<bool> has(sim().contacts_.materials(), false);
@@ -132,7 +133,7 @@ class NameAccess {
     }
     return has;
   }
-  /// "; material 1 'steel' is that of wall 0 'drum' and wall 2"; nothing of one that no wall has.
+  /// "; material 1 'steel' is that of wall 0 'drum' and wall 2"; empty if no wall has it.
   [[gnu::cold]] std::string of_walls(std::size_t material) const {
     std::string words;
     for (std::size_t w = 0; w < sim().walls(); ++w)

@@ -22,12 +22,12 @@ namespace silt::inline SILT_TARGET::detail {
 
 // Observers: anything callable with the simulation; the members below are optional.
 //
-// At one instant they are called in the order in which they are given, those that save it
-// (`saves`) after all others, so that a checkpoint has what the others change. An instant belongs
-// to the run that reaches it: where a run begins at an instant at which observers were called
-// before, only those that do nothing but read (`only_reads`) are called again. So a run in two
-// pieces, or one that goes on from a checkpoint, gives what it gives in one piece, whatever
-// observers change.
+// Observers due at the same instant are called in the order in which they are given, but those that
+// save (`saves`) come last, so that a checkpoint contains the changes of the others. An instant
+// belongs to the run that reaches it: if a run begins at an instant at which observers were already
+// called, only those that do nothing but read (`only_reads`) are called again. So a run in two
+// parts, or one continued from a checkpoint, gives the same results as an uninterrupted one,
+// whatever observers change.
 
 template <class O>
 inline constexpr bool only_reads = requires {
@@ -49,8 +49,9 @@ bool is_due(O& observer, const Sim& sim) {
   else
     return true;
 }
-/// On many ranks, where observers are due everywhere or nowhere: what one that goes by the clock
-/// does after each step, on its own rank alone. It calls nothing that is collective.
+/// With several ranks observers are due on all ranks or on none. This is the part of an observer
+/// that depends on the clock: it is called after each step, on its own rank only, and must make no
+/// collective calls.
 template <class O, class Sim>
 void watch(O& observer, const Sim& sim) {
   if constexpr (requires { observer.watch(sim); }) observer.watch(sim);
@@ -58,9 +59,8 @@ void watch(O& observer, const Sim& sim) {
 constexpr ContactsKept all_contacts_if(bool wanted) {
   return wanted ? ContactsKept::All : ContactsKept::Nothing;
 }
-/// What the observer will read of contacts in this step: those that say that they read them read
-/// all, or the forces alone (`reads_forces_alone`); of others it is taken for granted if `others`
-/// read them at all.
+/// What the observer will read of contacts in this step. Observers that declare it read everything,
+/// or forces only (`reads_forces_alone`); others are assumed to read contacts if `others` is set.
 template <class O, class Sim>
 ContactsKept read_contacts(O& observer, const Sim& sim, bool others) {
   bool reads = others;
@@ -69,7 +69,7 @@ ContactsKept read_contacts(O& observer, const Sim& sim, bool others) {
   constexpr bool forces = requires { requires O::reads_forces_alone; };
   return forces ? ContactsKept::Forces : ContactsKept::All;
 }
-/// Whether an error is of this type, and of no other that derives from it.
+/// Whether an error has exactly this type, not a derived one.
 template <class E>
 bool is_exactly([[maybe_unused]] const std::exception& e) {
 #ifdef __GXX_RTTI
@@ -85,7 +85,7 @@ template <class... Types>
   };
   (one(std::type_identity<Types>{}), ...);
 }
-/// The type of an observer in words, " 'MeanLoad'"; nothing of lambdas and what holds one.
+/// The type of an observer in words, " 'MeanLoad'"; empty for lambdas and types that contain one.
 template <class O>
 [[gnu::cold]] std::string after_observer() {
   std::string name = name_of_module<O>();
@@ -97,13 +97,13 @@ template <class O>
 [[gnu::cold]] std::string name_of_observer(std::size_t number, std::size_t of) {
   return text("observer ", number, " of ", of, after_observer<O>());
 }
-/// Throws what an observer has thrown again, of the same type; its sentence says who threw, and
-/// when. What silt or the standard library do not know goes on as it is.
+/// Rethrows what an observer has thrown, with the same type; the message says which observer and
+/// when. Types unknown to silt and the standard library are rethrown unchanged.
 [[noreturn, gnu::cold]] inline void throw_of_observer(const std::string& who, double time,
                                                       std::int64_t step) {
   const auto said = [&](const std::exception& e) {
     std::string words = text(e.what(), "; thrown by ", who, " at t = ", time, " s, step ", step);
-    if (is_agreed() && last_agreed() == e.what()) {  // on all ranks: it keeps one sentence
+    if (is_agreed() && last_agreed() == e.what()) {  // on all ranks, with the same message
       if (last_agreed().find("; thrown by observer ") != std::string::npos) return last_agreed();
       last_agreed() = words;
     }
@@ -126,8 +126,7 @@ template <class O>
     throw;
   }
 }
-/// `again`: observers were called at this instant before. `last`: it is the turn of those that
-/// save.
+/// `again`: observers were called at this instant before. `last`: call those that save.
 template <class O, class Sim>
 void observe(O& observer, Sim& sim, bool again, bool last, std::size_t number, std::size_t of) {
   using Type = std::remove_cvref_t<O>;
@@ -170,7 +169,8 @@ void tell_all([[maybe_unused]] const Sim& sim, const Log& log, const Observers&.
   };
   (tell(observers), ...);
 }
-/// The same of what each rank tells for itself: what is thrown there, all ranks throw soon after.
+/// The same for what each rank reports by itself: if an observer throws on one rank, all ranks
+/// throw soon after.
 template <class Sim, class Log, class... Observers>
 void tell_of_rank(const Sim& sim, const Log& log, const Observers&... observers) {
   if constexpr (Sim::has_ranks)
@@ -192,8 +192,9 @@ std::string failed(O& observer, const Sim& sim, const SimulationError& error, do
   if constexpr (SeesFailures<O, Sim>) return observer.failed(sim, error, back);
   return {};
 }
-/// Calls `steps`; where that fails, observers see it, and what they say ends the error's sentence.
-/// since_forces() [s]: for how long positions have gone on since the forces acted.
+/// Calls `steps`; if that fails, observers are called, and their answers are appended to the
+/// message of the error. since_forces() [s]: how far positions have advanced since the forces
+/// acted.
 template <class Sim, class Steps, class Since, class... Observers>
 void run_observed([[maybe_unused]] const Sim& sim, const Steps& steps,
                   [[maybe_unused]] const Since& since_forces,
@@ -204,7 +205,7 @@ void run_observed([[maybe_unused]] const Sim& sim, const Steps& steps,
     } catch (const SimulationError& error) {
       std::string words = error.what();
       ((words += failed(observers, sim, error, since_forces())), ...);
-      if (last_agreed() == error.what()) last_agreed() = words;  // it is that of all ranks
+      if (last_agreed() == error.what()) last_agreed() = words;  // the message common to all ranks
       throw SimulationError(words, error.step, error.particles, error.position);
     }
   } else {

@@ -22,7 +22,7 @@ void refuse_in_deforming_box(const char* what) {
           " has no place in a DeformingBox, which has no inside and outside; take PeriodicBox");
 }
 
-/// A pressure below 0 pulls at the particles, which hold only where their law attracts.
+/// A pressure below 0 pulls particles, which are held only by an attractive law.
 template <class Law>
 void refuse_tension(const Deformation& how) {
   using Numbers = typename Law::template Coefficients<double>;
@@ -44,7 +44,7 @@ void refuse_tension(const Deformation& how) {
           "with cohesion; a law of your own says that it pulls by attraction()"));
 }
 
-/// Refuses an inlet that lies outside the box in a direction that repeats.
+/// Refuses an inlet that lies outside the box in a periodic direction.
 template <class Domain>
 void refuse_outside(const Domain& domain, const Box& inlet, const std::string& region) {
   if constexpr (Domain::periodic && !deforms<Domain>) {
@@ -60,7 +60,7 @@ void refuse_outside(const Domain& domain, const Box& inlet, const std::string& r
   }
 }
 
-/// Refuses inlet k if places of its smallest particles are beyond guard.domain.
+/// Refuses inlet k if its smallest particles could be placed beyond guard.domain.
 inline void refuse_beyond(const Inlet& inlet, std::size_t k, const Box& domain) {
   double least = inlet.flow.radius.min();
   for (const auto& other : inlet.flow.recipe) least = std::min(least, other.radius.min());
@@ -70,14 +70,14 @@ inline void refuse_beyond(const Inlet& inlet, std::size_t k, const Box& domain) 
           domain.max, " m; move it, or enlarge guard.domain");
 }
 
-/// Where particles come and leave; a Simulation has these functions as its own.
+/// Inlets and outlets; member functions of Simulation.
 template <class Sim>
 class OpeningAccess {
  public:
   /// Particles whose centre enters `region` leave the simulation and are counted.
   std::size_t add_outlet(const Box& region) {
     refuse_in_deforming_box<typename Sim::Domain>("an outlet");
-    sim().engine_.lists.forget();  // also who rests in it leaves
+    sim().engine_.lists.forget();  // particles at rest in it leave, too
     return sim().openings_.add_outlet(region);
   }
   const Outlet& outlet(std::size_t k) const { return sim().openings_.outlet(k); }
@@ -99,7 +99,7 @@ class OpeningAccess {
   std::size_t inlets() const { return sim().openings_.inlets().size(); }
 
  protected:
-  /// Before a run.
+  /// Called before a run.
   void check_inlets() const {
     const auto& contacts = sim().contacts_;
     for (std::size_t i = 0; i < inlets(); ++i) {

@@ -21,21 +21,21 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What users change of single particles, between runs and in observers; a Simulation has these
-/// functions as its own. None of them makes the next step search: the lists stay right.
-/// InputError: there is no such particle, or a value that cannot be.
+/// Changes of single particles, between runs and in observers; member functions of Simulation. None
+/// of them forces a search in the next step: the lists stay valid. InputError: no such particle, or
+/// an invalid value.
 ///
-/// On many ranks a call acts on the rank that owns the particle, and does nothing on others: all
-/// may make it, or the owner alone, as in a loop over its own rows. Other ranks know of it when the
-/// observers of the step, or what stands before a run, have ended (share_edits); then an id that no
-/// rank has is refused. Sizes, materials and what is removed make the next step search there.
-/// Tests: tests/parallel/edits.cpp.
+/// With several ranks a call acts on the rank that owns the particle and does nothing on others:
+/// all ranks may make the call, or only the owner, as in a loop over its own rows. Other ranks are
+/// informed when the observers of the step, or the calls before a run, have ended (share_edits); an
+/// id that no rank has is then refused. Changed sizes and materials, and removals, force a search
+/// in the next step in this case. Tests: tests/parallel/edits.cpp.
 template <class Sim>
 class ParticleEdits {
  public:
-  /// Takes the particle with this id away, from all contacts and at once. What it had itself is in
-  /// the ledger's `openings`; of what its contacts stored, the tangential springs' share is in
-  /// `friction`, the normal springs' in `openings`, to first order in the step; of bodies in
+  /// Removes the particle with this id, and all its contacts at once. Its own energy is booked in
+  /// the ledger's `openings`. The energy in its contacts is booked in `friction` (tangential
+  /// springs) and `openings` (normal springs), to first order in the step; for bodies it stays in
   /// residual().
   void remove(ParticleId id) {
     static_assert(!Sim::has_ranks || !(Sim::has_bonds || Sim::has_events),
@@ -56,7 +56,7 @@ class ParticleEdits {
     sim().engine_.remove(k, sim().domain_, sim().dt_);
     if constexpr (Sim::has_ranks) sim().engine_.lists.forget();
   }
-  /// Gives the particle with this id another velocity [m/s], that of this instant.
+  /// Sets the velocity [m/s] of the particle with this id, at the present time.
   void set_velocity(ParticleId id, const Vec3d& velocity) {
     require(is_finite(velocity), "Simulation::set_velocity: ", velocity, " [m/s] must be finite");
     const std::size_t k = place_of(id, "set_velocity");
@@ -67,7 +67,7 @@ class ParticleEdits {
     if (sim().kicked_) sim().engine_.mover.synchronous[k].velocity = velocity;
     changed(k, before);
   }
-  /// The same of its angular velocity [rad/s].
+  /// The same for its angular velocity [rad/s].
   void set_angular_velocity(ParticleId id, const Vec3d& velocity) {
     static_assert(Sim::rotates, "set_angular_velocity: no policy makes these particles rotate");
     require(is_finite(velocity), "Simulation::set_angular_velocity: ", velocity,
@@ -80,11 +80,11 @@ class ParticleEdits {
     if (sim().kicked_) sim().engine_.set_angular_velocity_now(k, velocity);
     changed(k, before);
   }
-  /// Gives the particle with this id another radius [m], of bodies that of the bounding sphere:
-  /// with it grows, or shrinks, all of it. Density, place, velocity and angular velocity stay, and
-  /// what its contacts remember. The change of its own energy is booked in the ledger's `openings`;
-  /// the work of growth against its contacts, the normal force times the change of the radius, is
-  /// not booked and stays in residual(). No contact is missed.
+  /// Sets the radius [m] of the particle with this id; for a body, that of the bounding sphere, and
+  /// the whole body is scaled. Density, position, velocity, angular velocity and the history of its
+  /// contacts are kept. The change of its own energy is booked in the ledger's `openings`; the work
+  /// of growth against its contacts (normal force times change of the radius) is not booked and
+  /// stays in residual(). No contact is missed.
   void set_radius(ParticleId id, double radius) {
     require(std::isfinite(radius) && radius > 0, "Simulation::set_radius: radius = ", radius,
             " [m] must be finite and greater than 0");
@@ -101,13 +101,13 @@ class ParticleEdits {
     sim().engine_.set_radius(k, radius, sim().domain_, sim().dt_);
     brought_in(k, before), feed_change(k, mass);
     if constexpr (Sim::has_ranks) note_rows(), sim().engine_.lists.forget();
-    // Lighter ones have shorter contacts, which the guard and the next run look at.
+    // Lighter particles have shorter contacts, which the guard and the next run check.
     sim().scene_changed_ = true, sim().scene_step_ = sim().step_;
     note_resized(id, "Simulation::set_radius");
     if (sim().engine_.particles.smallest_radius < smallest) sim().checked_speed_ = 0;
   }
-  /// Makes the particle with this id one of another material, by its number among those of the
-  /// contacts or its name; radius, mass and what its contacts remember stay.
+  /// Sets the material of the particle with this id, by number or name; radius, mass and the
+  /// history of its contacts are kept.
   void set_material(ParticleId id, const WhichMaterial& which) {
     static_assert(Sim::ContactsType::several_materials,
                   "set_material: particles are of several materials with Contacts<Law, "
@@ -124,11 +124,11 @@ class ParticleEdits {
     if constexpr (Sim::has_ranks) note_rows(), sim().engine_.lists.forget();
     sim().scene_changed_ = true, sim().checked_speed_ = 0;
   }
-  /// Gives the body with this id the shape of another of forms(), by its number or its name; add()
-  /// of particles that have forms alone brings new ones. Centre of mass, orientation, radius of the
-  /// bounding sphere, density, velocity, angular velocity, material and fields stay; its contacts
-  /// begin anew. The change of its own energy is booked in the ledger's `openings`; what its
-  /// contacts stored as for remove().
+  /// Gives the body with this id another shape from forms(), by number or name; new forms are added
+  /// with add() of particles that contain only forms. Centre of mass, orientation, radius of the
+  /// bounding sphere, density, velocity, angular velocity, material and fields are kept; its
+  /// contacts begin anew. The change of its own energy is booked in the ledger's `openings`; the
+  /// energy of its contacts as in remove().
   void set_form(ParticleId id, const WhichForm& which) {
     static_assert(Sim::of_bodies, "set_form: spheres have no form; set_radius changes their size");
     require(!Sim::has_ranks,
@@ -162,15 +162,16 @@ class ParticleEdits {
     note_resized(id, "Simulation::set_form");
   }
 
-  /// On many ranks: what any of them has changed of its particles becomes known to all, so that
-  /// size() counts anew, and others' contacts with what was removed are gone (collective). Comes by
-  /// itself after observers, before runs, and before a checkpoint is written.
+  /// With several ranks: informs all ranks of the changes that any of them has made to its
+  /// particles, so that size() is updated and contacts of other ranks' particles with removed ones
+  /// end (collective). It is called automatically after observers, before runs, and before a
+  /// checkpoint is written.
   void share_edits() {
     if constexpr (Sim::has_ranks) share_edits("changes of particles", [] {});
   }
 
  protected:
-  /// ... after work() of each rank.
+  /// The same after work() of each rank.
   template <class Work>
   void share_edits(const char* call, const Work& work) {
     auto& s = sim();
@@ -194,8 +195,8 @@ class ParticleEdits {
     }
     edits = {};
   }
-  /// Which function has given the particle with this id its size in step `now` or the one before,
-  /// after which its contacts are seen; null if none has.
+  /// The function that changed the size of the particle with this id in step `now` or the one
+  /// before, after which its contacts are checked; null if none.
   const char* resized_by(ParticleId id, std::int64_t now) const {
     if (now > resized_at_ + 1) return nullptr;
     const auto found = std::find_if(resized_.begin(), resized_.end(),
@@ -210,7 +211,7 @@ class ParticleEdits {
   }
   std::vector<std::pair<ParticleId, const char*>> resized_;  // in step resized_at_
   std::int64_t resized_at_ = -2;
-  /// [J] kinetic and potential, as the ledger reckons; 0 without it.
+  /// [J] kinetic and potential energy as in the ledger; 0 without it.
   double energy_of([[maybe_unused]] std::size_t k) {
     if constexpr (Sim::has_ledger)
       if (!sim().first_kick_ && std::isfinite(sim().mass(k)))
@@ -220,15 +221,14 @@ class ParticleEdits {
   void brought_in([[maybe_unused]] std::size_t k, [[maybe_unused]] double before) {
     if constexpr (Sim::has_ledger) sim().book_.bring_in(energy_of(k) - before);
   }
-  /// What the mass of the particle at place k has grown by since it was `before` [kg] counts as
-  /// fed.
+  /// Books the growth of the mass of the particle at place k since it was `before` [kg] as fed.
   void feed_change([[maybe_unused]] std::size_t k, [[maybe_unused]] double before) {
     if constexpr (Sim::has_breakage)
       if (std::isfinite(before)) sim().breaks_.fed.add(sim().mass(k) - before);
   }
   Sim& sim() { return static_cast<Sim&>(*this); }
 
-  /// Whether it is no own particle of this rank.
+  /// Whether it is not an owned particle of this rank.
   bool is_elsewhere([[maybe_unused]] std::size_t k) {
     if constexpr (Sim::has_ranks)
       return k >= sim().rows();
@@ -238,7 +238,7 @@ class ParticleEdits {
   void note_rows() {
     if constexpr (Sim::has_ranks) sim().ranks_scene_.edits.rows = true;
   }
-  /// Of the contacts of an own sphere, which is being removed, with other ranks'.
+  /// The contacts of an owned sphere that is being removed with particles of other ranks.
   template <class Row>
   void note_ended(Row row) {
     auto& s = sim();
@@ -253,13 +253,13 @@ class ParticleEdits {
           {e.particles.id[row], e.particles.id[other], one.work, one.normal});
     });
   }
-  /// Collective: all ids that ranks give, sorted.
+  /// Collective: all ids given by the ranks, sorted.
   std::vector<ParticleId> all_of(const std::vector<ParticleId>& own) {
     auto all = gather(sim().engine_.ranks.comm(), std::span<const ParticleId>(own)).values;
     std::sort(all.begin(), all.end());
     return all;
   }
-  /// Collective: an id that a rank does not have must be that of another one.
+  /// Collective: refuses ids that no rank has.
   template <class Edits>
   void refuse_unknown(Edits& edits) {
     const auto found = all_of(edits.found);
@@ -272,8 +272,8 @@ class ParticleEdits {
                 " on any rank; it has left, or never was (Simulation::find tells its own rank)");
     });
   }
-  /// Collective: takes what was removed out of the ghosts. A contact of two particles that two
-  /// ranks have removed is booked by that of the lower id.
+  /// Collective: removes the ghosts of removed particles. A contact between two particles that two
+  /// ranks have removed is booked by the rank of the lower id.
   template <class Edits>
   void remove_from_others(const Edits& edits) {
     auto& e = sim().engine_;

@@ -9,8 +9,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What users read of particles, by their place in memory; a Simulation has these functions as its
-/// own.
+/// Read access to particles by their place in memory; member functions of Simulation.
 template <class Sim>
 class ParticleReadings : public TotalReadings<Sim> {
  public:
@@ -20,7 +19,7 @@ class ParticleReadings : public TotalReadings<Sim> {
     else
       return sim().engine_.present();
   }
-  /// Places 0 ... rows()-1 in memory; those where id() is silt::no_particle have left.
+  /// Places 0 ... rows()-1 in memory; where id() is silt::no_particle the particle has left.
   std::size_t rows() const { return sim().engine_.owners(); }
   ParticleId id(std::size_t k) const { return owner(k).id(); }
   bool is_present(std::size_t k) const { return id(k) != no_particle; }
@@ -40,9 +39,10 @@ class ParticleReadings : public TotalReadings<Sim> {
     return sim().kicked_ ? p.angular_velocity_now() : p.angular_velocity();
   }
   std::size_t material(std::size_t k) const { return owner(k).material(); }
-  /// The present place of the particle with this id; rows() if it has left, or never was. Takes
-  /// constant time, but for the first call after a search has sorted, which takes O(rows()); that
-  /// one, and the first after particles have come, must not be made by several threads at once.
+  /// The present place of the particle with this id; rows() if it has left or never existed.
+  /// Constant time, except for the first call after a search has sorted the particles, which takes
+  /// O(rows()); that call, and the first one after particles were added, must not be made by
+  /// several threads at once.
   std::size_t find(ParticleId wanted) const { return sim().engine_.find(wanted); }
 
  private:

@@ -4,51 +4,42 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 
 #include <silt/core/vec3.hpp>
 #include <silt/parallel/comm.hpp>
+#include <silt/parallel/rank_load.hpp>
 
 namespace silt::inline SILT_TARGET {
 
-/// What a rank has and does.
-struct RankLoad {
-  std::uint64_t particles = 0, ghosts = 0;  // [-] its own; others', that they may touch
-  std::uint64_t contacts = 0;               // [-] pairs that touch, each on one rank
-  double work = 0;             // [-] one a particle and one a listed pair; with a ghost half a one
-  std::uint64_t migrated = 0;  // [-] particles that came from other ranks, since the start
-  std::uint64_t messages = 0, bytes = 0;       // [-], [bytes] sent since the start
-  std::uint64_t searches = 0, partitions = 0;  // [-] since the start
-};
-
 namespace detail {
 
-/// What a scene needs to know of the ranks that it runs on; a Simulation has these functions as its
-/// own. Without Ranks there is one rank, and sums are what they are given.
+/// Information about the ranks that a scene runs on; member functions of Simulation. Without Ranks
+/// there is one rank, and sums return their argument.
 ///
-/// On many ranks the functions that say "collective" must be called by every rank, as run() is: in
-/// an observer, or between runs, but not behind `if (sim.rank() == 0)`, where the others would be
-/// waited for without end. Tests: tests/parallel/rank_output.cpp.
+/// With several ranks, functions marked "collective" must be called by every rank, as run() is: in
+/// an observer, or between runs, but not inside `if (sim.rank() == 0)`, where that rank would wait
+/// for the others forever. Tests: tests/parallel/rank_output.cpp.
 template <class Sim>
 class RankAccess {
  public:
-  /// The number of this rank, from 0 on: the one to print, and to write files of one's own, is 0.
+  /// The number of this rank, from 0 on. Print, and write your own files, on rank 0.
   int rank() const {
     if constexpr (Sim::has_ranks)
       return sim().engine().ranks.rank();
     else
       return 0;
   }
-  /// How many ranks there are.
+  /// Number of ranks.
   int ranks() const {
     if constexpr (Sim::has_ranks)
       return sim().engine().ranks.size();
     else
       return 1;
   }
-  /// The sum of a number of each rank, added in the order of ranks: equal on all (collective).
+  /// The sum of one number over the ranks, added in the order of ranks; the result is the same on
+  /// all ranks (collective).
   ///   double above = 0;  // [kg] of own particles: places 0 ... rows()-1 are of this rank alone
   ///   ...
   ///   above = sim.sum_over_ranks(above);
@@ -61,13 +52,13 @@ class RankAccess {
     sum_over_ranks(std::span<double>(sums));
     return {sums[0], sums[1], sums[2]};
   }
-  /// Likewise of several numbers at once, as many on each rank.
+  /// The same for several numbers at once; every rank must give the same count.
   void sum_over_ranks([[maybe_unused]] std::span<double> own) const {
     if constexpr (Sim::has_ranks)
       sim().engine().ranks.meet("a sum over ranks"), sim().engine().ranks.sum_of(own);
   }
-  /// What each rank has, by its number (collective). Work that is not even is time lost: all wait
-  /// for the rank that has most.
+  /// The load of each rank, in order (collective). Uneven work costs time: all ranks wait for the
+  /// one with the largest load.
   std::vector<RankLoad> rank_loads() const {
     RankLoad own;
     const auto& e = sim().engine();
@@ -84,13 +75,14 @@ class RankAccess {
       own.ghosts = e.particles.ghosts;
       own.migrated = counts.migrated, own.messages = counts.messages, own.bytes = counts.bytes;
       own.searches = counts.searches, own.partitions = counts.partitions;
+      own.seconds = e.ranks.seconds;
       e.ranks.meet("a look at the loads");
       return gather_each(e.ranks.comm(), own);
     } else {
       return {own};
     }
   }
-  /// The largest that a rank has (collective).
+  /// The maximum over the ranks (collective).
   double largest_over_ranks(double own) const {
     if constexpr (Sim::has_ranks) {
       sim().engine().ranks.meet("a maximum over ranks");
@@ -103,7 +95,7 @@ class RankAccess {
   const Sim& sim() const { return static_cast<const Sim&>(*this); }
 };
 
-/// Of measures that know the particles of one process alone.
+/// For measures that only know the particles of one process.
 template <class Sim>
 constexpr void need_one_process() {
   static_assert(!Sim::has_ranks,
@@ -112,7 +104,30 @@ constexpr void need_one_process() {
                 "checkpoint of the run into the same scene without Ranks and measure there");
 }
 
-/// Does what each rank does by itself; what one throws, all throw (collective).
+/// The sum of the size tables of all ranks (collective).
+template <class Sim, class Table>
+Table merged_over_ranks([[maybe_unused]] const Sim& sim, const Table& own) {
+  if constexpr (Sim::has_ranks) {
+    const auto numbers = own.state();
+    sim.engine().ranks.meet("tables of sizes");
+    const auto each = gather(sim.engine().ranks.comm(), std::span<const double>(numbers));
+    Table all;
+    for (int r = 0; r < each.ranks(); ++r) {
+      Table one;
+      one.restore(each[r]);
+      if (one.classes() == 0) continue;
+      if (all.classes() == 0)
+        all = one;
+      else
+        all.merge(one);
+    }
+    return all;
+  } else {
+    return own;
+  }
+}
+
+/// Runs work that each rank does by itself; if it throws on one rank, all throw (collective).
 template <class Sim, class Work>
 void on_all_ranks([[maybe_unused]] const Sim& sim, [[maybe_unused]] const char* call,
                   const Work& work) {

@@ -9,19 +9,19 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What users have changed of single particles on this rank, until all ranks know of it
+/// Changes of single particles on this rank that the other ranks do not know yet
 /// (ParticleEdits::share_edits).
 struct RankEdits {
-  /// A contact with another rank's particle that has ended as the own one was removed.
+  /// A contact with another rank's particle that ended because the own one was removed.
   struct Ended {
     ParticleId own, other;
     ContactEnergy<double> work;  // [J]
     double normal;               // [J]
   };
   std::vector<ParticleId> found, removed;
-  std::vector<std::pair<ParticleId, const char*>> missed;  // and the function that was called
+  std::vector<std::pair<ParticleId, const char*>> missed;  // no such id; function called
   std::vector<Ended> ended;
-  bool rows = false;  // what ghosts have of rows at a search has changed, or their sizes
+  bool rows = false;  // ghost data of rows that are sent at searches have changed, or sizes
 };
 
 }  // namespace silt::inline SILT_TARGET::detail

@@ -1,8 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// What a Simulation is of policies that make none: sentences, and members enough for the lines that
-// follow in a user's program to compile, so that the sentence is what the compiler ends with.
+// The type of a Simulation for policies that do not form a valid one: it emits the messages, and
+// has enough members for the following lines of a user's program to compile, so that the message is
+// the last thing that the compiler prints.
 
 #include <silt/contact/concept.hpp>
 #include <silt/simulation.hpp>
@@ -11,7 +12,7 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// A class by itself, so that the compiler names the policy.
+/// A class of its own, so that the compiler names the policy.
 template <class P, bool belongs>
 struct PolicyOfAnAxis {
   static_assert(
@@ -23,7 +24,7 @@ struct PolicyOfAnAxis {
       "coupling/, motion/, module/ concept.hpp");
   static constexpr bool checked = true;
 };
-/// What looks like a module gets the sentence about its functions too.
+/// Types that look like a module also get the message about its functions.
 template <class P, bool belongs>
 inline constexpr bool looks_like_module = [] {
   if constexpr (!belongs) return is_meant_as_module<P>;
@@ -53,7 +54,7 @@ requires(!detail::make_a_simulation<Policies...>) class Simulation<Policies...> 
   static constexpr bool has_one_of_the_rest = given<detail::IsKernels> <= 1 &&
                                               given<detail::IsLedger> <= 1 &&
                                               given<detail::IsContactEvents> <= 1;
-  /// Of what says that it is a fluid: whether it has each part of FluidCoupling.
+  /// For types that declare to be a fluid: whether each part of FluidCoupling is present.
   template <class P, bool has>
   static constexpr bool if_fluid = [] {
     if constexpr (detail::MeantAsFluid<P>) return has || !P::active;
@@ -67,7 +68,7 @@ requires(!detail::make_a_simulation<Policies...>) class Simulation<Policies...> 
       (if_fluid<Policies, detail::AdvancesFluid<Policies>> && ...);
   static constexpr bool fluid_keeps_state =
       (if_fluid<Policies, detail::KeepsFluidState<Policies>> && ...);
-  /// A law without its Contacts has the sentence about these, and so has a fluid without its parts.
+  /// A law without Contacts gets the message about that, and so does a fluid without its parts.
   template <class P>
   static constexpr bool belongs = detail::belongs_to_an_axis<P> || detail::MeantAsFluid<P> ||
                                   (ContactLaw<P> && !has_contacts);

@@ -118,7 +118,7 @@ detail::StepTimes Simulation<Policies...>::times_of_step(bool observed) const {
   if constexpr (has_breakage)
     t.parting = this->breakage().rules.separation_speed, t.weak_from = breaks_.weak_from;
   if constexpr (has_events) {
-    // Contacts come to rest only in steps that look at those at rest, so no step counts twice.
+    // Contacts become long-lasting only in steps that evaluate those; so no step counts twice.
     constexpr auto every = detail::StepTimes::look_at_rest_every;
     const std::int64_t looked = step_ - 1 - (step_ + every - 1) % every;
     t.watched = engine_.events.wanted, t.look_at_rest = step_ % every == 0;
@@ -151,7 +151,7 @@ void Simulation<Policies...>::forces(bool observed, [[maybe_unused]] std::size_t
   if constexpr (detail::deforms<Domain>) engine_.kick_box(domain_, dt_, first_kick_, observed);
   const double kick = first_kick_ ? Integrator::first_kick * dt_ : dt_;
   if constexpr (has_ranks)
-    engine_.look_at_servos();  // they are pushed when the loads of all ranks are known
+    engine_.look_at_servos();  // they are kicked when the loads of all ranks are known
   else
     engine_.push_walls(gravity, first_kick_ ? first_wall_kick * dt_ : dt_, dt_, first_kick_);
   engine_.integrate(observed ? Advance::KickAndRecord : Advance::KickAndDrift, gravity, kick, dt_,
@@ -160,7 +160,8 @@ void Simulation<Policies...>::forces(bool observed, [[maybe_unused]] std::size_t
     observed ? engine_.record_flow(domain_) : engine_.move_box(domain_, dt_);
 }
 
-/// The rest of a step after observers have looked: the drift, and what follows from the motion.
+/// The rest of a step after observers were called: the drift, and updates that follow from the
+/// motion.
 template <class... Policies>
 void Simulation<Policies...>::finish_step() {
   if (kicked_) engine_.drift(dt_);

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of Simulation: walls and particles are added.
+// Parts of Simulation: adding walls and particles.
 
 #include <silt/simulation.hpp>
 
@@ -42,7 +42,7 @@ std::size_t Simulation<Policies...>::add_wall(Surfaces surfaces,
 template <class... Policies>
 std::vector<std::size_t> Simulation<Policies...>::add(const ParticlesType& more) {
   using Particle = typename ParticlesType::Particle;
-  check_new(std::span<const Particle>(more.all()),  // before anything changes
+  check_new(std::span<const Particle>(more.all()),  // before anything is changed
             [&](const Particle& p, std::size_t k) { more.check(p, k); });
   const auto numbers = detail::take_in_forms(engine_, more);
   take_in(std::span<const Particle>(more.all()), numbers);
@@ -56,7 +56,7 @@ double Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
                                        Random& random) {
   if (spheres.empty()) return 0;
   using Particle = typename ParticlesType::Particle;
-  // The velocity is that of this instant; rows hold that of half a step ago.
+  // The given velocity is that of this instant; rows hold that of half a step ago.
   const double ago = first_kick_ || Integrator::first_kick != 0.5 ? 0 : 0.5 * dt_;  // [s]
   const Vec3d staggered = flow.velocity - ago * gravity;
   const std::size_t before = rows();
@@ -69,7 +69,7 @@ double Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
   });
   take_in(std::span<const Particle>(more), {});
   if constexpr (has_ledger) {
-    // ... and the ledger wants that of this instant.
+    // The ledger needs that of this instant.
     for (std::size_t k = before; k < rows() && !first_kick_; ++k)
       book_.bring_in(0.5 * mass(k) *
                      (dot(flow.velocity, flow.velocity) - dot(staggered, staggered)));
@@ -123,8 +123,8 @@ void Simulation<Policies...>::take_in(std::span<const Particle> more,
     detail::on_all_ranks(*this, "the strengths of particles", [&] { this->feed(before); });
 }
 
-/// The same without booking mass and energy. `own`: on many ranks, which of them this rank owns; if
-/// empty, the decomposition decides.
+/// The same without booking mass and energy. `own`: with several ranks, which of them this rank
+/// owns; if empty, the decomposition decides.
 template <class... Policies>
 template <class Particle>
 void Simulation<Policies...>::join(std::span<const Particle> more,

@@ -12,11 +12,10 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Sums and means over all particles that are there and not fixed; a Simulation has these functions
-/// as its own, between runs and in observers, for the instant time(). Each takes O(rows). Means of
-/// no particles: InputError. On many ranks the particles of all ranks are meant; the functions are
-/// collective then (RankAccess), but for those of one particle. Tests:
-/// tests/engine/total_readings.cpp.
+/// Sums and means over all particles that are present and not fixed, at time(); member functions of
+/// Simulation, for use between runs and in observers. Each costs O(rows). Means over no particles
+/// throw InputError. With several ranks the particles of all ranks are included, and all functions
+/// but those of one particle are collective (RankAccess). Tests: tests/engine/total_readings.cpp.
 template <class Sim>
 class TotalReadings {
  public:
@@ -24,11 +23,11 @@ class TotalReadings {
   double kinetic_energy() const {
     return sum_of([this](std::size_t k) { return kinetic_energy(k); });
   }
-  /// [J] the part of rotation in it.
+  /// [J] its rotational part.
   double rotational_energy() const {
     return sum_of([this](std::size_t k) { return rotational_energy(k); });
   }
-  /// [J] of one particle; of a fixed one 0.
+  /// [J] of one particle; 0 for a fixed one.
   double kinetic_energy(std::size_t k) const {
     return translational_energy(k) + rotational_energy(k);
   }
@@ -46,7 +45,8 @@ class TotalReadings {
   double total_mass() const {  // [kg]
     return sum_of([this](std::size_t k) { return sim().mass(k); });
   }
-  /// [m] with positions as they are; of what reaches through a side that repeats it says little.
+  /// [m] from the present positions; of little meaning for material that extends across a periodic
+  /// side.
   Vec3d centre_of_mass() const {
     Vec3d sum{0, 0, 0};
     for_each([&](std::size_t k) { sum += sim().mass(k) * sim().position(k); });
@@ -58,18 +58,18 @@ class TotalReadings {
     for_each([&](std::size_t k) { sum += sim().mass(k) * sim().velocity(k); });
     return (1 / mass_for("mean_velocity")) * sim().sum_over_ranks(sum);
   }
-  /// [m/s] of centres, each particle counted alike.
+  /// [m/s] of centres, number average.
   double mean_speed() const {
     const double n = sum_of([](std::size_t) { return 1.0; });
     need(n > 0, "mean_speed");
     return sum_of([this](std::size_t k) { return norm(sim().velocity(k)); }) / n;
   }
-  double largest_speed() const {  // [m/s] of centres; of no particles 0
+  double largest_speed() const {  // [m/s] of centres; 0 without particles
     double most = 0;
     for_each([&](std::size_t k) { most = std::max(most, norm(sim().velocity(k))); });
     return sim().largest_over_ranks(most);
   }
-  /// [K] weighted by heat capacities: the temperature to which they would come by themselves.
+  /// [K] weighted by heat capacities: the temperature of the particles if they equilibrated.
   template <class S = Sim>
   double mean_temperature() const {
     const auto& module = sim().template module<typename S::Modules::template having<HeatFields>>();

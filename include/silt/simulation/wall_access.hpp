@@ -14,7 +14,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A drive that turns a wall needs to know how far the wall reaches.
+/// A drive that rotates a wall must know the extent of the wall.
 inline void check_fits(const WallDrive& drive, const Box& extent) {
   require(
       !std::holds_alternative<FreeBody>(drive) || (is_finite(extent.min) && is_finite(extent.max)),
@@ -22,9 +22,9 @@ inline void check_fits(const WallDrive& drive, const Box& extent) {
       "infinite");
 }
 
-/// What users read and change of walls, between runs and in observers; a Simulation has these
-/// functions as its own. A wall is named by its number or its name. InputError: there is no such
-/// wall, or a value that cannot be. Tests: tests/engine/wall_setup.cpp, free_walls.cpp.
+/// Read access to walls and changes of them, between runs and in observers; member functions of
+/// Simulation. A wall is given by its number or its name. InputError: no such wall, or an invalid
+/// value. Tests: tests/engine/wall_setup.cpp, free_walls.cpp.
 template <class Sim>
 class WallAccess {
  public:
@@ -40,15 +40,15 @@ class WallAccess {
   std::size_t find_wall(std::string_view name) const {
     return number_of(sim().engine().walls, name);
   }
-  /// As messages call it: "wall 2 'lid'".
+  /// The name used in messages: "wall 2 'lid'".
   std::string wall_name(std::size_t k) const { return name_of_wall(sim().engine().walls, k); }
   void name_wall(const WhichWall& which, std::string name) {
     const std::size_t k = number(which);
     check_wall_name(all(), name, k);
     all()[k].name = std::move(name);
   }
-  /// Takes away the surfaces of a wall: a lid that opens. Its number and name stay taken. What its
-  /// contacts stored is booked as by ParticleEdits::remove.
+  /// Removes the surfaces of a wall, e.g. a lid that opens. Its number and name stay in use. The
+  /// energy in its contacts is booked as in ParticleEdits::remove.
   void remove_wall(const WhichWall& which) {
     const std::size_t k = number(which);
     if constexpr (Sim::has_ledger && !Sim::of_bodies && !deforms<typename Sim::Domain>) {
@@ -63,7 +63,7 @@ class WallAccess {
     all()[k].surfaces.clear();
     sim().engine_.lists.forget();
   }
-  /// The point [m] that torque and angular impulse are taken about from now on.
+  /// Sets the point [m] about which torque and angular impulse are taken from now on.
   void set_reference(const WhichWall& which, const Vec3d& point) {
     require(is_finite(point), "Simulation::set_reference: ", point, " [m] must be finite");
     const std::size_t k = number(which);
@@ -73,8 +73,9 @@ class WallAccess {
     wall.torque += cross(back, wall.force), wall.angular_impulse += cross(back, wall.impulse);
     wall.reference = point;
   }
-  /// Lets the wall move by `motion` from now on: from its present pose, by how `motion` goes on
-  /// from the present time. One that begins now: from(sim.time(), motion). An empty one stops it.
+  /// Prescribes the motion of the wall from now on: it continues from its present pose with the
+  /// increments of `motion` from the present time on. For a motion that starts now:
+  /// from(sim.time(), motion). An empty one stops the wall.
   void set_motion(const WhichWall& which, Motion motion) {
     const std::size_t k = number(which);
     Wall& wall = all()[k];
@@ -84,8 +85,8 @@ class WallAccess {
     wall.motion = motion ? std::move(motion) : Motion([](double) { return Pose{}; });
     changed(k);
   }
-  /// Lets the wall move by what acts on it from now on, from its present pose; a Motion that it had
-  /// is gone. An empty drive stops it.
+  /// Lets the loads on the wall move it from now on, from its present pose; a prescribed Motion is
+  /// discarded. An empty drive stops the wall.
   void set_drive(const WhichWall& which, WallDrive drive) {
     const std::size_t k = number(which);
     if (drive.index() == 0) return set_motion(k, {});
@@ -93,20 +94,20 @@ class WallAccess {
     release(k, std::move(drive));
     changed(k);
   }
-  /// Lets the surface move in itself, as a belt's.
+  /// Sets a tangential surface velocity, as of a belt.
   void set_surface_velocity(const WhichWall& which, const SurfaceVelocity& velocity) {
     velocity.check();
     const std::size_t k = number(which);
     Wall& wall = all()[k];
-    // It may have been an immovable plane, of which the lists know.
+    // It may have been a plane at rest, which the lists treat specially.
     if (!wall.moves() || wall.has_belt() != !velocity.is_zero()) changed(k);
     wall.belt = velocity;
   }
-  /// Gives the wall another mesh, in its own coordinates, in place of its `surface` (0: the first).
-  /// With the same triangles between vertices that lie elsewhere, the vertices move there in the
-  /// step that comes, and contacts feel their velocity; to deform a wall, call it in every step.
-  /// With other triangles the surface is another one, at rest. Contacts keep their memory where the
-  /// normal stays nearly the same. Each call makes the next step search. A FreeBody keeps its mass.
+  /// Replaces the mesh of the wall, in its own coordinates, at `surface` (0: the first). With the
+  /// same triangles and displaced vertices, the vertices move there during the next step, and
+  /// contacts feel their velocity; to deform a wall, call it in every step. With other triangles
+  /// the surface is a new one, at rest. Contacts keep their history where the normal stays nearly
+  /// the same. Each call forces a search in the next step. A FreeBody keeps its mass.
   void set_mesh(const WhichWall& which, TriangleMesh mesh, std::size_t surface = 0) {
     const std::size_t k = number(which);
     Wall& wall = all()[k];
@@ -125,7 +126,7 @@ class WallAccess {
     wall.extent = extent_of(wall.surfaces);
     changed(k);
   }
-  /// Kinetic energy of a free wall, and against gravity and in its spring [J], at time().
+  /// Energy of a free wall [J] at time(): kinetic, in gravity and in its spring.
   WallEnergy wall_energy(const WhichWall& which) const {
     return energy_of(wall(which), sim().gravity);
   }
@@ -145,7 +146,7 @@ class WallAccess {
   const Sim& sim() const { return static_cast<const Sim&>(*this); }
   auto& all() { return sim().engine_.walls; }
   std::size_t number(const WhichWall& which) { return number_of(all(), which); }
-  /// The lists are made anew, and the time step is held against its limit.
+  /// Forces new lists and a check of the time step.
   void changed(std::size_t) {
     sim().engine_.lists.forget();
     sim().scene_changed_ = true, sim().checked_speed_ = 0;

@@ -7,7 +7,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Takes out the bonds that this step has overloaded: their particles may touch from now on. And
+/// Removes the bonds that this step has overloaded, whose particles may touch from now on, and
 /// those of particles that broke before it.
 template <class... Policies>
 void Simulation<Policies...>::break_bonds() {
@@ -39,8 +39,8 @@ void Simulation<Policies...>::break_bonds() {
   }
 }
 
-/// The same on many ranks, after the step in which any of them has overloaded bonds: all take out
-/// what they have of them (collective).
+/// The same with several ranks, after a step in which any of them has overloaded bonds: all remove
+/// their copies (collective).
 template <class... Policies>
 void Simulation<Policies...>::break_bonds_of_ranks() {
   if constexpr (has_bonds && has_ranks) {
@@ -58,7 +58,7 @@ void Simulation<Policies...>::break_bonds_of_ranks() {
         held.freed_at_walls.push_back({bond.a, bond.wall}), freed = true;
         return;
       }
-      if (!held.holds(bond.a, bond.b)) return;  // of other ranks
+      if (!held.holds(bond.a, bond.b)) return;  // bonds of other ranks
       held.remove(bond.a, bond.b);
       const auto row_of = [&](ParticleId which) {
         return static_cast<std::uint32_t>(engine_.row_of(which));

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of Simulation that only a fluid needs.
+// Parts of Simulation that are used with a fluid only.
 
 #include <algorithm>
 #include <array>
@@ -16,7 +16,7 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// A module whose particles exchange heat with the fluid, among those of a simulation.
+/// The module of a simulation whose particles exchange heat with the fluid.
 template <class M>
 concept HeatsInFluid = Exchanges<M> && requires(const M& m, const Seen& p, const HeatedFluid& f) {
   { m.conductance(p, f) } -> std::convertible_to<double>;
@@ -54,7 +54,7 @@ void check_heat_of_fluid(const Fluid& fluid) {
 
 }  // namespace detail
 
-/// Refuses a fluid that does not fit to where the particles are.
+/// Refuses a fluid that does not fit the positions of the particles.
 template <class... Policies>
 void Simulation<Policies...>::prepare_fluid() {
   if constexpr (Fluid::active) {
@@ -69,7 +69,7 @@ void Simulation<Policies...>::prepare_fluid() {
   if constexpr (detail::heats_in_fluid<Modules>) detail::check_heat_of_fluid(fluid_);
 }
 
-/// Asks the fluid anew for what it does to the particles, if it is time.
+/// Evaluates the fluid and its loads on the particles anew when it is due.
 template <class... Policies>
 void Simulation<Policies...>::couple() {
   if constexpr (Fluid::active) {
@@ -95,30 +95,30 @@ void Simulation<Policies...>::couple() {
   }
 }
 
-/// The time [s] of the velocities before this step's kick: those of leapfrog are half a step
-/// behind, but for the first. Fluid steps end at such times, so that what the fluid gives in a step
-/// of its own is what the particles' kicks take, the first, shorter one included.
+/// The time [s] of the velocities before this step's kick: leapfrog velocities are half a step
+/// behind, except at the start. Fluid steps end at such times, so that the impulse of the fluid in
+/// a step equals that of the particles' kicks, including the first, shorter one.
 template <class... Policies>
 double Simulation<Policies...>::kicked_to() const {
   return first_kick_ ? time_ : time_ - (1 - Integrator::first_kick) * dt_;
 }
 
-/// The particles' steps will be dt [s] long instead of dt_; called where velocities are half an old
-/// step ahead of time(), before they are made half a new one ahead with the last forces. What the
-/// fluid has given stays what it is.
+/// Changes the particles' step from dt_ to dt [s]. Called when velocities are half an old step
+/// ahead of time(), before they are moved to half a new step ahead with the last forces. The
+/// impulse given by the fluid is unchanged.
 template <class... Policies>
 void Simulation<Policies...>::change_fluid_step([[maybe_unused]] double dt) {
   if constexpr (Fluid::active) {
     if (fluid_.clock.steps == 0) return;
     if constexpr (Integrator::first_kick != 0.5) {
-      // velocities are of whole steps, whatever those are
+      // velocities belong to whole steps of any length
       fluid_.clock.time = fluid_.clock.time + dt - dt_;
     } else {
-      const double more = 0.5 * (dt - dt_);        // [s] that the last force will act on
-      const auto kicks_of = [this](double step) {  // that are to come
+      const double more = 0.5 * (dt - dt_);        // [s] further duration of the last force
+      const auto kicks_of = [this](double step) {  // number of kicks to come
         return std::ceil((fluid_.clock.time - (time_ + 0.5 * step)) / step - clock_rounding);
       };
-      const double ahead = kicks_of(dt_) * dt_ - more;  // [s] in which the force was to act
+      const double ahead = kicks_of(dt_) * dt_ - more;  // [s] planned duration of the force
       const double kicks = kicks_of(dt);
       auto& loads = engine_.fluid_loads();
       for (std::size_t k = 0; k < rows(); ++k) {
@@ -176,7 +176,7 @@ void Simulation<Policies...>::renew_fluid() {
     throw SimulationError(text("step ", step_, ", t = ", time_, " s: ", error.what()), step_, {},
                           {});
   }
-  fluid_.clock.time = time_ + (steps - 1 + Integrator::first_kick) * dt_;  // to the last digit
+  fluid_.clock.time = time_ + (steps - 1 + Integrator::first_kick) * dt_;  // exact to rounding
   auto& loads = engine_.fluid_loads();
   engine_.team().for_ranges(p.place.size(), [&](std::size_t, std::size_t from, std::size_t to) {
     for (std::size_t n = from; n < to; ++n) {
@@ -202,7 +202,7 @@ void Simulation<Policies...>::renew_fluid() {
   });
 }
 
-/// What particles exchange of heat in the fluid's step, after gather_for_fluid().
+/// The heat exchanged with particles in the fluid's step; after gather_for_fluid().
 template <class... Policies>
 ParticleHeat Simulation<Policies...>::heat_in_fluid() {
   ParticleHeat heat;
@@ -233,7 +233,7 @@ void Simulation<Policies...>::take_heat_of_fluid() {
   }
 }
 
-/// Drag at the particles' present velocities.
+/// Drag at the present velocities of the particles.
 template <class... Policies>
 void Simulation<Policies...>::follow_fluid() {
   if constexpr (follows_fluid) {
@@ -267,8 +267,8 @@ Vec3d Simulation<Policies...>::due_from_fluid([[maybe_unused]] std::size_t k) co
     if constexpr (follows_fluid) {
       if (!std::isfinite(mass(k))) return {0, 0, 0};
       const Vec3d push = loads.held[k].vector();
-      // Of leapfrog's last kick the half beyond time() is taken, but not in velocity(k); of others'
-      // all of it.
+      // The half of leapfrog's last kick after time() has been taken, but is not in velocity(k);
+      // for other integrators the whole kick.
       const double pending = Integrator::first_kick * dt_;
       return ahead * push + pending * (force - push) - loads.taken[k].vector();
     } else {
@@ -317,7 +317,7 @@ double Simulation<Policies...>::gather_for_fluid() {
         p.radius[n] = owner.radius();
       }
       if constexpr (turned_by_fluid) p.spin[n] = owner.angular_velocity();
-      // What has acted besides the fluid since it was asked, on average.
+      // Mean effect of the other forces since the fluid was last evaluated.
       const Vec3d unforced = loads.unforced[k].vector();
       const bool known = span > 0 && !std::isnan(unforced.x);
       if constexpr (follows_fluid) {
@@ -333,9 +333,9 @@ double Simulation<Policies...>::gather_for_fluid() {
   return *std::max_element(fastest.begin(), fastest.end());
 }
 
-/// [J] by which the work of forces of a fluid, or of modules, in leapfrog's first half kick is less
-/// than with the velocity at its end, with which the next step books it: of a sudden start half of
-/// all.
+/// [J] by which the work of fluid or module forces in leapfrog's first half kick is smaller than
+/// with the velocity at its end, which the next step uses for booking: half of all work for a
+/// sudden start.
 template <class... Policies>
 template <class Column>
 double Simulation<Policies...>::work_of_first_kick(const Column& forces) const {
@@ -344,7 +344,7 @@ double Simulation<Policies...>::work_of_first_kick(const Column& forces) const {
     for (std::size_t k = 0; k < rows(); ++k) {
       if (!is_present(k) || !std::isfinite(mass(k))) continue;
       const Vec3d force = forces[k].vector();
-      // A blow is over before gravity and contacts have moved anything.
+      // A sudden change is over before gravity and contacts have moved anything.
       const Vec3d a = (1 / mass(k)) * (force + 2 * engine_.contact_force(k)) + 2 * gravity;
       work += 0.125 * dt_ * dt_ * dot(force, a);
     }
@@ -352,7 +352,7 @@ double Simulation<Policies...>::work_of_first_kick(const Column& forces) const {
   return work;
 }
 
-/// [W] of the fluid on the particles that are not fixed; for the ledger alone.
+/// [W] of the fluid on mobile particles; for the ledger only.
 template <class... Policies>
 double Simulation<Policies...>::power_of_fluid() const {
   double power = 0;

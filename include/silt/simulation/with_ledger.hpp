@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of Simulation: the energy of its particles, and the books of an EnergyLedger.
+// Parts of Simulation: the energy of its particles, and the balance of an EnergyLedger.
 
 #include <silt/simulation.hpp>
 
@@ -65,7 +65,8 @@ void Simulation<Policies...>::book_leaving([[maybe_unused]] std::size_t k) {
   if constexpr (has_breakage) this->note_leaving(k);
   if constexpr (has_ledger) {
     if (first_kick_ || !std::isfinite(mass(k))) return;
-    // Unless it is observed, rows hold the velocity of half a step ago; it falls freely.
+    // Unless the step is observed, rows hold the velocity of half a step ago, corrected here by
+    // free fall.
     const double ago = !kicked_ && Integrator::first_kick == 0.5 ? 0.5 * dt_ : 0;  // [s]
     const Vec3d v = velocity(k), now = v + ago * gravity;
     book_.bring_in(0.5 * mass(k) * (dot(v, v) - dot(now, now)) - kinetic(k).sum() - potential(k));

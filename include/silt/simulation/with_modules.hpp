@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of Simulation that only modules need.
+// Parts of Simulation that are used with modules only.
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Gives the fields of the particles from place `from` on their first values.
+/// Sets the initial field values of the particles from place `from` on.
 template <class... Policies>
 void Simulation<Policies...>::start_fields([[maybe_unused]] std::size_t from) {
   if constexpr (Modules::exist)
@@ -23,7 +23,7 @@ void Simulation<Policies...>::start_fields([[maybe_unused]] std::size_t from) {
     }
 }
 
-/// What modules do between pairs of particles within their reach.
+/// Evaluates the pair interactions of modules.
 template <class... Policies>
 void Simulation<Policies...>::act_in_pairs() {
   if constexpr (Modules::in_pairs) {
@@ -35,7 +35,7 @@ void Simulation<Policies...>::act_in_pairs() {
   }
 }
 
-/// Asks modules what they push particles with in this step.
+/// Computes the forces of modules in this step.
 template <class... Policies>
 void Simulation<Policies...>::push_modules() {
   if constexpr (Modules::push) {
@@ -52,7 +52,7 @@ void Simulation<Policies...>::push_modules() {
   }
 }
 
-/// [W] of modules on the particles that are not fixed; for the ledger alone.
+/// [W] of modules on mobile particles; for the ledger only.
 template <class... Policies>
 double Simulation<Policies...>::power_of_modules() const {
   double power = 0;
@@ -67,8 +67,8 @@ double Simulation<Policies...>::power_of_modules() const {
   return power;
 }
 
-/// The longest step [s] in which what modules push with is still resolved as contacts are, by a
-/// 20th of half a swing; none if they do not say their rate.
+/// The longest step [s] that resolves module forces as well as contacts, with a 20th of half a
+/// period; infinite if modules do not give their rate.
 template <class... Policies>
 double Simulation<Policies...>::longest_module_step() const {
   using Stage = detail::ModuleStage<Modules, Domain>;
@@ -80,8 +80,8 @@ double Simulation<Policies...>::longest_module_step() const {
   return rate > 0 ? std::numbers::pi / 20 / rate : INFINITY;
 }
 
-/// What a step that begins wants of the fluxes through contacts. Where particles have come or left
-/// they are asked for anew, so that no particle receives what nobody gives.
+/// How fluxes through contacts are treated in the coming step. If particles have come or left they
+/// are evaluated anew, so that no particle receives a flux that no partner gives.
 template <class... Policies>
 detail::FluxLook Simulation<Policies...>::look_at_fluxes(
     [[maybe_unused]] std::size_t present_before) const {
@@ -94,11 +94,11 @@ detail::FluxLook Simulation<Policies...>::look_at_fluxes(
   return detail::FluxLook::Hold;
 }
 
-/// After fluxes were measured: how many steps they may be held from now on (collective).
+/// After fluxes were measured: number of steps for which they may be held from now on (collective).
 template <class... Policies>
 void Simulation<Policies...>::choose_flux_steps() {
   if constexpr (Modules::flux) {
-    constexpr double most_change = 0.01;  // [-] of a value in the time that its flux is held
+    constexpr double most_change = 0.01;  // [-] of a value while its flux is held
     const auto most = static_cast<double>(engine_.fluxes().most_steps(modules_.modules));
     double rate = modules_.fastest_flux(engine_, time_);
     if constexpr (has_ranks) rate = engine_.ranks.max_of(rate);
@@ -107,7 +107,7 @@ void Simulation<Policies...>::choose_flux_steps() {
   }
 }
 
-/// Stops a run whose step does not resolve what modules push with.
+/// Aborts a run whose step does not resolve the module forces.
 template <class... Policies>
 void Simulation<Policies...>::check_module_rates() const {
   using OfFluxes = typename detail::ModuleStage<Modules, Domain>::OfFluxes;

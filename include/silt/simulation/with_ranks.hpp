@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of Simulation on many ranks; silt/ranks.hpp has them.
+// Parts of Simulation for several ranks; included by silt/ranks.hpp.
 
 #include <silt/engine/ranks/rank_bonds.hpp>
 #include <silt/engine/ranks/rank_change.hpp>

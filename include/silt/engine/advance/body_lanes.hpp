@@ -1,13 +1,13 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// BodyMotion in lanes: packs of bodies that are one part each.
+// BodyMotion in SIMD lanes: packs of bodies that consist of one part.
 
 #include <silt/engine/advance/body_motion.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The numbers of W bodies; where there are fewer, the last one again.
+/// The state of W bodies; missing ones are copies of the last.
 template <class Composition, class State>
 struct BodyMotion<Composition, State>::Pack {
   using V = Vec3<Real>;
@@ -18,7 +18,7 @@ struct BodyMotion<Composition, State>::Pack {
   explicit Pack(std::span<const Body> bodies) {
     static_assert(offsetof(Body, inertia) == 16 * sizeof(double) &&
                   offsetof(Body, lever) == 21 * sizeof(double));
-    Real b[20];  // in the order of Body
+    Real b[20];  // in the order of Body's members
     gather<5>([&](std::size_t lane) { return &bodies[lane].centre.x; }, bodies.size(), b);
     centre = {b[0], b[1], b[2]}, inv_m = b[3], velocity = {b[4], b[5], b[6]}, radius = b[7];
     for (std::size_t c = 0; c < 4; ++c) q[c] = b[8 + c];
@@ -46,7 +46,7 @@ void BodyMotion<Composition, State>::carry_pack(const Scene& scene, const Kick* 
   const V velocity_before = now.velocity, momentum_before = now.momentum;
   if (kick != nullptr) kick_pack(scene, *kick, pack, now);
   if (record) {
-    // At the whole step velocities are the means of the two half steps around it.
+    // Velocities at the whole step are the means of the two half steps around it.
     const bool of_now = kick->first || Integrator::first_kick != 0.5;
     const V v = of_now ? velocity_before : Real(0.5) * (velocity_before + now.velocity);
     const V L = of_now ? momentum_before : Real(0.5) * (momentum_before + now.momentum);
@@ -79,7 +79,7 @@ void BodyMotion<Composition, State>::kick_pack(const Scene& scene, const Kick& k
   now.momentum = select(free, kicked, now.momentum);
 }
 
-/// Keeps velocities [m/s] and angular velocities [rad/s] as those of the whole step.
+/// Stores velocities [m/s] and angular velocities [rad/s] as those of the whole step.
 template <class Composition, class State>
 void BodyMotion<Composition, State>::record_pack(std::span<const Body> pack, const Vec3<Real>& v,
                                                  const Vec3<Real>& w) {
@@ -93,7 +93,7 @@ void BodyMotion<Composition, State>::record_pack(std::span<const Body> pack, con
                                    {whole[3][lane], whole[4][lane], whole[5][lane]}};
 }
 
-/// Writes a pack back, and what rows know of it; `moved`: their positions too.
+/// Writes a pack back, and the motion of its rows; `moved`: their positions too.
 template <class Composition, class State>
 void BodyMotion<Composition, State>::place_pack(const Scene& scene, const Pack& now, bool moved,
                                                 std::span<Body> pack, Measured& most) {
@@ -108,7 +108,7 @@ void BodyMotion<Composition, State>::place_pack(const Scene& scene, const Pack& 
   const V rate = now.rate(now.momentum);
   // The row's radius is the body's.
   turned(now.radius * now.axes().to_space(rate), Real(0), spin);
-  Real lever[4];  // its last row
+  Real lever[4];  // last row of Body
   Pack::template gather<1>([&](std::size_t lane) { return &pack[lane].centre.x + 20; }, pack.size(),
                            lever);
   const Real v2 = dot(now.velocity, now.velocity);

@@ -20,9 +20,9 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Translation and rotation of rigid bodies, each of one or more parts, which are the rows that
-/// lists and contacts know: bodies take up what loads their parts, move, and put them in their
-/// places with the velocities that they have there.
+/// Translation and rotation of rigid bodies. Each has one or more parts, which are the rows that
+/// lists and contacts use. Bodies collect the loads of their parts, move, and update positions and
+/// velocities of their parts.
 template <class Composition, class State>
 class BodyMotion {
   using ShapeType = typename Composition::Shape;
@@ -51,14 +51,14 @@ class BodyMotion {
   };
   std::vector<Synchronous> synchronous;  // of the last observed step
   std::vector<BodyForm<ShapeType>> forms;
-  std::size_t cells = 0;  // of forms, the last ones: cells of what broke (cell_forms.hpp)
+  std::size_t cells = 0;  // number of cell forms, the last ones (cell_forms.hpp)
   std::vector<Body> bodies;
-  // The last of them, which are other ranks' (ParticleState::ghosts).
+  // Number of ghosts among the bodies, the last ones (ParticleState::ghosts).
   [[no_unique_address]] std::conditional_t<State::of_ranks, std::size_t, NoGhosts> ghosts{};
   [[no_unique_address]] FluidLoads<Composition::from_fluid> fluid;  // of each body
   using Modules = typename Composition::Modules;
   [[no_unique_address]] ModuleColumns<Modules> modules;  // of each body
-  std::vector<std::uint32_t> rows;  // of the parts of each body, as its form counts them
+  std::vector<std::uint32_t> rows;  // of the parts of each body, in the order of its form
   static constexpr bool convex = SolidShape<ShapeType>;
   static constexpr bool has_levers = [] {
     if constexpr (convex)
@@ -68,7 +68,7 @@ class BodyMotion {
   }();
   [[no_unique_address]] typename ConvexRowsOf<ShapeType>::type convex_rows;
 
-  /// Bodies of one part that is at their centre move in lanes.
+  /// Bodies of one part located at their centre are moved in lanes.
   static constexpr bool in_lanes = [] {
     if constexpr (convex)
       return ShapeType::one_part && turns_in_lanes;
@@ -76,7 +76,7 @@ class BodyMotion {
       return false;
   }();
 
-  /// The first bodies, which are this rank's own; all, where there is but one.
+  /// Number of bodies owned by this rank, which come first; all if there is a single rank.
   std::size_t owned() const {
     if constexpr (State::of_ranks)
       return bodies.size() - ghosts;
@@ -87,7 +87,8 @@ class BodyMotion {
     return {rows.data() + b.first, forms[b.form].parts.size()};
   }
 
-  /// What rotation adds to the inverse mass [1/kg] against a push along n through a part's centre.
+  /// The contribution of rotation to the inverse effective mass [1/kg] for a force along n through
+  /// a part's centre.
   double turning(const PartRow& part, const Vec3d& n) const {
     const Body& b = bodies[part.body];
     if (b.inv_m == 0) return 0;
@@ -109,7 +110,7 @@ class BodyMotion {
     return over_bodies(scene, [&](Body& b, Measured& most) {
       const Vec3d velocity = b.velocity, momentum = b.momentum;
       push(scene, b, kick);
-      // At the whole step both are the means of the two half steps around it.
+      // Both are the means of the two half steps around the whole step.
       const bool of_now = kick.first || Integrator::first_kick != 0.5;
       synchronous[static_cast<std::size_t>(&b - bodies.data())] = {
           of_now ? velocity : 0.5 * (velocity + b.velocity),
@@ -117,14 +118,14 @@ class BodyMotion {
       place(scene.particles, scene.per_inner2, b, Placing::Still, 0, most);
     });
   }
-  /// Completes a step that was observed; returns the largest share of an inner reach [1/s].
+  /// Completes a step that was observed; returns the largest ratio of speed to inner reach [1/s].
   double drift(const Scene& scene, double time_step, double) {
     if constexpr (in_lanes) return carry(scene, nullptr, time_step).largest_share;
     return over_bodies(
                scene, [](Body&) {}, time_step)
         .largest_share;
   }
-  /// After an observed state: the step will be `ratio` times as long.
+  /// Call after an observed state: the step becomes `ratio` times as long.
   void change_step(State& particles, double ratio) {
     if (Integrator::first_kick != 0.5) return;
     for (std::size_t k = 0; k < owned(); ++k) {
@@ -138,7 +139,7 @@ class BodyMotion {
     }
   }
 
-  /// Of convex parts: their poses and forms as the narrow phases read them, after the rows have
+  /// For convex parts: updates their poses and forms for the narrow phases, after rows have
   /// changed.
   void renew_convex_rows(const State& particles) {
     if constexpr (convex) {
@@ -160,7 +161,7 @@ class BodyMotion {
     }
   }
 
-  /// Puts the parts of a body where it is, with the velocities they have there.
+  /// Moves the parts of a body to its position and sets their velocities.
   void put_in_place(State& particles, const Body& b) {
     Measured most;
     place(particles, nullptr, b, Placing::Still, 0, most);
@@ -188,9 +189,9 @@ class BodyMotion {
     put_in_place(particles, b);
   }
 
-  /// After parts were sorted or dropped: brings the bodies into the order of their first parts.
+  /// Call after parts were sorted or dropped: sorts the bodies by their first parts.
   void follow(State& particles);
-  /// Notes the rows of each body's parts.
+  /// Records the rows of each body's parts.
   void number_rows(const State& particles);
   /// Wraps the bodies into a periodic box; their parts stay where they are.
   template <class Domain>
@@ -203,7 +204,7 @@ class BodyMotion {
   }
 
  private:
-  /// Of those kinds that keep anything.
+  /// For kinds that store data only.
   template <class Visit>
   void for_each_store(const Visit& visit) requires convex {
     const auto one = [&](auto& store) {
@@ -258,8 +259,7 @@ class BodyMotion {
         if (bodies[k].id != no_particle) visit(bodies[k], most);
     });
   }
-  /// Calls prepare(body) for all bodies, lets them drift for `time` [s] and puts their parts in
-  /// place.
+  /// Calls prepare(body) for all bodies, drifts them for `time` [s] and updates their parts.
   template <class Prepare>
   Pace over_bodies(const Scene& scene, const Prepare& prepare, double time) {
     return over_ranges(scene, [&](std::size_t from, std::size_t to, Measured& most) {
@@ -289,8 +289,8 @@ class BodyMotion {
     return {all.speed, std::sqrt(all.share2), std::isfinite(all.sum)};
   }
 
-  /// Convex bodies, which are one part each, in lanes: kick, if there is one, and drift for `time`
-  /// [s]; without a drift the state at the whole step is recorded.
+  /// Convex bodies of one part, in lanes: kick, if there is one, and drift for `time` [s]; without
+  /// a drift the state at the whole step is recorded.
   Pace carry(const Scene& scene, const Kick* kick, double time) {
     return over_ranges(scene, [&](std::size_t from, std::size_t to, Measured& most) {
       for (std::size_t k = from; k < to; k += W)
@@ -304,16 +304,16 @@ class BodyMotion {
   void record_pack(std::span<const Body> pack, const Vec3<Real>& v, const Vec3<Real>& w);
   void place_pack(const Scene& scene, const Pack& now, bool moved, std::span<Body> pack,
                   Measured& most);
-  /// Adds what fluid and modules do to a pack of bodies to its loads.
+  /// Adds the loads of fluid and modules to those of a pack of bodies.
   void add_others(std::span<const Body> pack, Real (&load)[8]) const;
-  /// The row of a body of one part, and the place of its load.
+  /// The row of a body of one part, and the index of its load.
   std::size_t row_of(const Body& b) const { return rows[b.first]; }
   std::size_t load_of(const Body& b) const { return row_of(b) * 4 * chunks; }
 
-  /// Turns up to one pack of bodies.
+  /// Rotates up to one pack of bodies.
   static void turn(std::span<Body> pack, double time);
 
-  /// Kicks a body by the loads of its parts, and clears them.
+  /// Kicks a body by the loads of its parts, and clears these.
   void push(const Scene& scene, Body& b, const Kick& kick) const {
     const BodyAxes<double> axes = body_axes(b.orientation);
     const auto& parts = forms[b.form].parts;
@@ -344,8 +344,8 @@ class BodyMotion {
     Rotation::kick(b.momentum, axes.to_body(torque), b.inertia, kick.time);
   }
 
-  /// Puts the parts in their places. How far each has gone in `time` is measured exactly: what
-  /// the lists need, whose bounding spheres no spin moves.
+  /// Updates the positions of the parts. Their displacement in `time` is measured exactly, as the
+  /// lists need it: rotation does not move a bounding sphere.
   void place(State& particles, const double* per_inner2, const Body& b, Placing how, double time,
              Measured& most) {
     const BodyAxes<double> axes = body_axes(b.orientation);

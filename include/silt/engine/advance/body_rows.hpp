@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// BodyMotion: how bodies follow the rows of their parts.
+// BodyMotion: reordering of bodies after their parts.
 
 #include <silt/engine/advance/body_motion.hpp>
 
@@ -14,7 +14,7 @@ void BodyMotion<Composition, State>::follow(State& particles) {
   std::vector<Synchronous> recorded;
   std::vector<std::uint32_t> order;
   std::uint32_t next = 0;
-  [[maybe_unused]] std::size_t own = 0;  // of this rank, whose rows are the first
+  [[maybe_unused]] std::size_t own = 0;  // number owned by this rank, which come first
   sorted.reserve(bodies.size());
   for (std::size_t r = 0; r < particles.size(); ++r) {
     auto& part = particles.part[r];

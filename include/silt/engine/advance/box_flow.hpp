@@ -10,7 +10,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Changes the velocities of all spheres by a times their distance from the centre of the box.
+/// Changes the velocity of all spheres by a times their position relative to the centre of the box.
 template <class State>
 void add_flow(State& particles, const Upper3& a, const Vec3d& centre, const Team& team) {
   if (inner(a, a) == 0) return;
@@ -21,13 +21,13 @@ void add_flow(State& particles, const Upper3& a, const Vec3d& centre, const Team
   });
 }
 
-/// What the spheres do relative to the flow of the box in the step that has just moved them.
+/// Motion of the spheres relative to the flow of the box in the last step.
 struct FlowPace {
-  double largest_share = 0;  // [1/s] largest speed over inner reach
-  Upper3 kinetic;            // [J] sum of m c_a c_b in the middle of the step
+  double largest_share = 0;  // [1/s] largest ratio of speed to inner reach
+  Upper3 kinetic;            // [J] sum of m c_a c_b at the middle of the step
   double mass = 0;           // [kg]
 };
-/// `per_inner2`: as in MovedScene, or null. Before box.advance().
+/// `per_inner2`: as in MovedScene, or null. Call before box.advance().
 template <class State>
 FlowPace pace_in_flow(const State& particles, const DeformingBox& box, const double* per_inner2,
                       double dt, const Team& team) {

@@ -10,9 +10,9 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What moves: a sphere, which owns one row, or a body, which owns those of its parts. Both answer
-/// the same questions, so that who looks at particles need not tell them apart. Velocities are
-/// those that the integrator keeps (Leapfrog: of the last half step).
+/// A particle: a sphere, which owns one row, or a body, which owns the rows of its parts. Both have
+/// the same interface, so that users of particles need not distinguish them. Velocities are those
+/// that the integrator stores (Leapfrog: of the last half step).
 template <class Composition, class State, class Mover>
 class Owner {
   static constexpr bool of_bodies = Composition::of_bodies;
@@ -41,7 +41,7 @@ class Owner {
     else
       return state_.position[k_].centre();
   }
-  double radius() const {  // [m] of bodies that of the bounding sphere
+  double radius() const {  // [m] for bodies, of the bounding sphere
     if constexpr (of_bodies)
       return mover_.bodies[k_].radius;
     else
@@ -53,7 +53,7 @@ class Owner {
     else
       return state_.motion[k_].inv_m;
   }
-  double mass() const {  // [kg] infinite: fixed
+  double mass() const {  // [kg] infinite if fixed
     const double inv_m = inverse_mass();
     return inv_m > 0 ? 1 / inv_m : INFINITY;
   }
@@ -63,7 +63,7 @@ class Owner {
     else
       return state_.motion[k_].velocity();
   }
-  Vec3d angular_velocity() const {  // [rad/s]; of spheres that do not rotate 0
+  Vec3d angular_velocity() const {  // [rad/s]; 0 for spheres that do not rotate
     if constexpr (of_bodies) {
       const auto& b = mover_.bodies[k_];
       return b.angular_velocity(b.momentum);
@@ -74,7 +74,7 @@ class Owner {
       return {0, 0, 0};
     }
   }
-  // The same at the whole step, as an observer finds a simulation.
+  // The same at the whole step, as an observer sees it.
   Vec3d velocity_now() const { return mover_.synchronous[k_].velocity; }
   Vec3d angular_velocity_now() const {
     if constexpr (of_bodies)
@@ -93,14 +93,14 @@ class Owner {
       return 0.5 * Composition::Shape::inertia_factor() * mass() * radius() * radius() * dot(w, w);
     }
   }
-  /// How fast its tips are [m/s] by the angular velocity w [rad/s]; spheres have none.
+  /// Speed of its tips [m/s] due to the angular velocity w [rad/s]; 0 for spheres.
   double tip_speed([[maybe_unused]] const Vec3d& w) const {
     if constexpr (of_bodies)
       return mover_.bodies[k_].tip_speed(rotate(conjugate(mover_.bodies[k_].orientation), w));
     else
       return 0;
   }
-  Quaternion principal_axes() const {  // to space
+  Quaternion principal_axes() const {  // rotation to the space frame
     if constexpr (of_bodies)
       return mover_.bodies[k_].orientation;
     else
@@ -118,7 +118,7 @@ class Owner {
     else
       return 1;
   }
-  Quaternion orientation() const {  // turns the frame in which the form was given to space
+  Quaternion orientation() const {  // rotation from the frame of its form to the space frame
     if constexpr (of_bodies) {
       const auto& b = mover_.bodies[k_];
       return b.orientation * conjugate(mover_.forms[b.form].mass.axes);
@@ -128,7 +128,7 @@ class Owner {
       return {};
     }
   }
-  /// The row of a sphere, of a body that of its first part.
+  /// The row of a sphere, or of the first part of a body.
   std::size_t first_row() const {
     if constexpr (of_bodies)
       return mover_.rows[mover_.bodies[k_].first];

@@ -8,15 +8,15 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Part c of the load on a row: force, torque, rolling torque.
+/// Chunk c of the load on a row: force, torque, rolling torque.
 template <std::size_t chunks, class Scalar>
 Vec3d load_part(const Scalar* sums, std::size_t row, std::size_t c) {
   const Scalar* const load = sums + (row * chunks + c) * 4;
   return {double(load[0]), double(load[1]), double(load[2])};
 }
 
-/// Power [W] of the contacts on fixed particles that move, by the loads of a step before they are
-/// integrated.
+/// Power [W] of the contacts on prescribed (fixed) particles that move, from the loads of a step
+/// before they are integrated.
 template <class ContactsType, class State, class Scalar>
 double power_on_fixed(const State& particles, const Scalar* sums) {
   constexpr std::size_t chunks = load_chunks<ContactsType>;

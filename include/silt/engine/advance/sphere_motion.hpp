@@ -20,22 +20,22 @@ namespace silt::inline SILT_TARGET::detail {
 
 enum class Advance { KickAndDrift, KickAndRecord };
 
-/// What moves the particles in a step besides their loads.
+/// What changes the particles' motion in a step in addition to their loads.
 struct Kick {
   Vec3d gravity;       // [m/s2]
   double time, drift;  // [s]
   bool first;
 };
 
-/// How fast they are after it.
+/// Speeds after the step.
 struct Pace {
-  double largest_speed;  // [m/s] of bodies with that of their tips: Body::speed
-  double largest_share;  // [1/s] speed over inner reach
-  bool finite;           // all velocities
+  double largest_speed;  // [m/s] for bodies including their tips: Body::speed
+  double largest_share;  // [1/s] largest ratio of speed to inner reach
+  bool finite;           // all velocities are finite
 };
 
-/// What is moved: particles, their loads, which are cleared, and 1/q^2 of their inner reaches
-/// [1/m2].
+/// The data to be integrated: particles, their loads, which are cleared, and 1/q^2 of their inner
+/// reaches [1/m2].
 template <class State, class Scalar>
 struct MovedScene {
   State& particles;
@@ -44,7 +44,7 @@ struct MovedScene {
   const Team& team;
 };
 
-/// Translation and rotation of spheres, each a particle of its own.
+/// Translation and rotation of spheres.
 template <class Composition, class State>
 class SphereMotion {
   using ShapeType = typename Composition::Shape;
@@ -63,7 +63,7 @@ class SphereMotion {
  public:
   using Scene = MovedScene<State, Scalar>;
 
-  /// State of one particle at a whole step [m/s].
+  /// State of one particle at a whole step: velocities [m/s].
   struct Synchronous {
     Vec3d velocity, spin_velocity;
   };
@@ -84,7 +84,7 @@ class SphereMotion {
             std::isfinite(std::accumulate(check.begin(), check.end(), 0.0))};
   }
 
-  /// After an observed state: the step will be `ratio` times as long.
+  /// Call after an observed state: the step becomes `ratio` times as long.
   void change_step(State& particles, double ratio) {
     for (std::size_t k = 0; predicts && k < particles.owned(); ++k) {
       auto& rows = particles.derivatives[k].row;
@@ -93,7 +93,7 @@ class SphereMotion {
         for (double& q : rows[d]) q *= std::pow(ratio, order);
       }
     }
-    // Velocities of half a step later.
+    // Velocities half a step later.
     if constexpr (!predicts && Integrator::first_kick == 0.5)
       for (std::size_t k = 0; k < particles.owned(); ++k) {
         ParticleMotion& m = particles.motion[k];
@@ -107,7 +107,7 @@ class SphereMotion {
       }
   }
 
-  /// Completes a step that was observed; `share` is that of integrate.
+  /// Completes a step that was observed; `share`: the value returned by integrate.
   double drift(const Scene& scene, double time_step, double share) const {
     const Row time = Row::of(time_step, time_step, time_step, 0);
     State& particles = scene.particles;
@@ -130,7 +130,7 @@ class SphereMotion {
     double share2;          // [1/s2] largest (v/q)^2, q: inner reach
   };
 
-  /// Kicks particles from ... to-1, and lets them drift or records them; clears their loads.
+  /// Kicks particles from ... to-1, then drifts or records them; clears their loads.
   template <Advance How>
   Speeds kick_all(const Scene& scene, std::size_t from, std::size_t to, const Kick& kick) {
     using Real = typename Lanes<Arch>::Real;
@@ -186,8 +186,8 @@ class SphereMotion {
     double time, spin_time;  // [s]
     double step;             // [s]
     bool first_kick;
-    // Here because a store through a register of lanes may change any member, for all that is
-    // known.
+    // A local copy: a store through a lane register might alias any member, as far as the compiler
+    // knows.
     PositionRow* position;
     ParticleMotion* motion;
     typename State::PairMotion* pair_motion;
@@ -197,7 +197,7 @@ class SphereMotion {
   };
   using Fluid = decltype(State::fluid);
   using Modules = typename Composition::Modules;
-  /// The loads of particle k: force; torque over radius; couple.
+  /// A chunk of the load of particle k: force; torque over radius; couple.
   SILT_INLINE static Row load_of(const Constants& with, std::size_t k, std::size_t chunk) {
     Row load = convert<double>(Row4<Arch, Scalar>::load(with.sums + (k * chunks + chunk) * 4));
     const auto turned_by = [&](const VectorRow* torque) {
@@ -275,7 +275,7 @@ class SphereMotion {
       predict_one(k, with.position[k], with.motion[k], with.pair_motion, rows, dt);
     return moved * Row::all(1 / dt);
   }
-  /// Predicts the next state of particle k.
+  /// Predicts the state of particle k in the next step.
   void predict_one(std::size_t k, PositionRow& position, ParticleMotion& m,
                    [[maybe_unused]] typename State::PairMotion* pair_motion, Derivatives& rows,
                    double dt) const {
@@ -322,7 +322,7 @@ class SphereMotion {
     return velocity;
   }
 
-  /// At the whole step the velocity is the mean of the two half steps around it.
+  /// The velocity at the whole step is the mean of the two half steps around it.
   void record(std::size_t k, const ParticleMotion& before, const ParticleMotion& after,
               bool first_kick) {
     auto& s = synchronous[k];

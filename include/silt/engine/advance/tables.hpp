@@ -27,8 +27,8 @@ struct MoverOf<true> {
   using type = BodyMotion<Composition, State>;
 };
 
-/// All that is known of particles, in two tables: rows, which contacts act on, and owners, which
-/// move. Of spheres they are one; of bodies rows are the parts.
+/// The state of all particles in two tables: rows, which contacts act on, and owners, which move.
+/// For spheres both are the same; for bodies the rows are their parts.
 template <class Composition>
 class Tables {
   static constexpr bool of_bodies = Composition::of_bodies;
@@ -39,9 +39,9 @@ class Tables {
   using Mover = typename MoverOf<of_bodies>::template type<Composition, State>;
 
   State particles;  // rows
-  Mover mover;      // owners, if they are no rows, and how they move
+  Mover mover;      // owners, unless they are the rows, and their integration
 
-  /// The number of the particle that a row is, or belongs to.
+  /// The id of the particle that a row is or belongs to.
   ParticleId id_of(std::size_t row) const {
     if constexpr (of_bodies)
       return mover.bodies[particles.part[row].body].id;
@@ -61,7 +61,7 @@ class Tables {
       return Composition::Shape::volume(p.radius());
     }
   }
-  /// Particles that are there.
+  /// Number of particles present.
   std::size_t present() const {
     if constexpr (of_bodies)
       return static_cast<std::size_t>(std::count_if(
@@ -79,7 +79,7 @@ class Tables {
       m.vx += dv.x, m.vy += dv.y, m.vz += dv.z;
     }
   }
-  /// Changes its angular velocity by dw [rad/s].
+  /// Changes the angular velocity of the particle at place k by dw [rad/s].
   void change_angular_velocity(std::size_t k, const Vec3d& dw) requires(Composition::rotates) {
     if constexpr (of_bodies) {
       auto& b = mover.bodies[k];
@@ -91,16 +91,16 @@ class Tables {
       m.wx += spin.x, m.wy += spin.y, m.wz += spin.z;
     }
   }
-  /// Records another angular velocity [rad/s] at the whole step.
+  /// Changes the recorded angular velocity [rad/s] at the whole step.
   void set_angular_velocity_now(std::size_t k, const Vec3d& w) requires(Composition::rotates) {
     if constexpr (of_bodies)
       mover.synchronous[k].angular_velocity = w;
     else
       mover.synchronous[k].spin_velocity = particles.position[k].r * w;
   }
-  /// Gives the particle at place k another radius [m], of bodies that of the bounding sphere.
-  /// Density, place, velocity and angular velocity stay. Calls grown(row, growth of its radius [m],
-  /// way of its centre [m]) for each of its rows.
+  /// Sets the radius [m] of the particle at place k; for bodies, of the bounding sphere. Density,
+  /// position, velocity and angular velocity are unchanged. Calls grown(row, increase of its radius
+  /// [m], displacement of its centre [m]) for each of its rows.
   template <class Grown>
   void set_radius(std::size_t k, double radius, const Grown& grown) {
     if constexpr (of_bodies) {
@@ -133,15 +133,15 @@ class Tables {
       particles.material[k] = material;
     }
   }
-  /// After the motion of the particle at place k was changed: what follows from it.
+  /// Must be called after the motion of the particle at place k was changed.
   void follow_motion(std::size_t k) {
     if constexpr (of_bodies)
       mover.put_in_place(particles, mover.bodies[k]);
     else
       particles.renew_pair_motion(k);
   }
-  /// Gives the rows from `first` on, which have come between the kick and drift of a step, what the
-  /// integrator predicts their next state from: free fall.
+  /// Initialises the data from which the integrator predicts the next state (free fall) for the
+  /// rows from `first` on, added between the kick and the drift of a step.
   void start_prediction([[maybe_unused]] std::size_t first, [[maybe_unused]] const Vec3d& gravity,
                         [[maybe_unused]] double dt) {
     if constexpr (!of_bodies && State::derivative_rows > 0)
@@ -162,15 +162,15 @@ class Tables {
       if (const ParticleId id = owner(indexed_to_).id(); id != no_particle)
         places_.at(id) = static_cast<std::uint32_t>(indexed_to_);
     const std::uint32_t k = wanted == no_particle ? no_place : places_.find(wanted);
-    return k == no_place || owner(k).id() != wanted ? n : k;  // one that has left may stand there
+    return k == no_place || owner(k).id() != wanted ? n : k;  // it may have left
   }
-  /// What modules see of the particle at place k.
+  /// The particle at place k as modules see it.
   Seen seen(std::size_t k, double time) const {
     const auto p = owner(k);
     return {p.id(),   p.centre(),   p.velocity(), p.angular_velocity(), p.orientation(), p.radius(),
             p.mass(), p.material(), time};
   }
-  /// The columns of modules, a row each owner.
+  /// The columns of modules, one row per owner.
   auto& modules() {
     if constexpr (of_bodies)
       return mover.modules;
@@ -185,14 +185,14 @@ class Tables {
     else
       return row;
   }
-  /// Which part of its particle a row is [-]; of spheres 0.
+  /// The number of the part that a row is in its particle [-]; 0 for spheres.
   std::uint32_t part_of([[maybe_unused]] std::uint32_t row) const {
     if constexpr (of_bodies)
       return particles.part[row].local;
     else
       return 0;
   }
-  /// The centre of mass of a row's particle [m], beside the row.
+  /// The centre of mass of a row's particle [m], in the image of the row.
   Vec3d centre_beside(std::size_t row) const {
     if constexpr (of_bodies) {
       const auto& part = particles.part[row];
@@ -201,7 +201,7 @@ class Tables {
       return particles.position[row].centre();
     }
   }
-  /// What a fluid does to each particle (body, or row).
+  /// Fluid loads of each particle (body, or sphere).
   auto& fluid_loads() {
     if constexpr (of_bodies)
       return mover.fluid;
@@ -209,14 +209,15 @@ class Tables {
       return particles.fluid;
   }
   const auto& fluid_loads() const { return const_cast<Tables&>(*this).fluid_loads(); }
-  /// What rotation adds to the inverse mass [1/kg] against a push along n at the surface of a row.
+  /// The contribution of rotation to the inverse effective mass [1/kg] for a force along n at the
+  /// surface of a row.
   double turning([[maybe_unused]] std::size_t row, [[maybe_unused]] const Vec3d& n) const {
     if constexpr (of_bodies)
       return mover.turning(particles.part[row], n);
     else
       return 0;
   }
-  /// Takes the particle at place k (a body, or a row) out of all contacts at once.
+  /// Removes the particle at place k (a body, or a sphere) from all contacts at once.
   void park(std::size_t k) {
     if constexpr (of_bodies) {
       for (const std::uint32_t row : mover.rows_of(mover.bodies[k])) particles.park(row);
@@ -228,13 +229,13 @@ class Tables {
     }
   }
 
-  /// Gives the particle at place `to` what modules and fluid know of the one at `from`, and its
+  /// Copies to the particle at place `to` the module and fluid data of the one at `from`, and its
   /// velocities at the last observed step.
   void copy_columns(std::size_t from, std::size_t to) {
     copy_row(modules(), from, to), copy_row(fluid_loads(), from, to);
     if (to < mover.synchronous.size()) mover.synchronous[to] = mover.synchronous[from];
   }
-  /// After a search has sorted the parts and wrapped them into a periodic box.
+  /// Call after a search has sorted the parts and wrapped them into a periodic box.
   void follow([[maybe_unused]] const Domain& domain) {
     if constexpr (of_bodies) {
       mover.follow(particles);
@@ -243,14 +244,14 @@ class Tables {
   }
 
  protected:
-  /// After another state was put in place of this one.
+  /// Call after the state was replaced by another one.
   void forget_places() { indexed_ = never_indexed; }
 
  private:
   static constexpr std::uint64_t never_indexed = std::numeric_limits<std::uint64_t>::max();
-  mutable std::uint64_t indexed_ = never_indexed;  // particles.changes that places_ is of
-  mutable std::size_t indexed_to_ = 0;             // owners that it has
-  // Of ids of all ranks one has few.
+  mutable std::uint64_t indexed_ = never_indexed;  // particles.changes of places_
+  mutable std::size_t indexed_to_ = 0;             // number of owners in it
+  // One rank has few of all ids.
   mutable std::conditional_t<Composition::has_ranks, IdHash, IdTable> places_;
 };
 

@@ -9,19 +9,20 @@
 #include <silt/boundary/wall.hpp>
 #include <silt/motion/rotation.hpp>
 
-/// How walls with a drive move (boundary/wall_drive.hpp), as particles do with Leapfrog: positions
-/// at the steps, velocities half a step behind. The loads of a step are those at its positions.
+/// Integration of driven walls (boundary/wall_drive.hpp) with the leapfrog of the particles:
+/// positions at the steps, velocities half a step behind, loads evaluated at the positions.
 ///
-///   v(t + dt/2) = [(m - c dt/2) v(t - dt/2) + dt (F + m g - k s)]/(m + c dt/2),  s += v dt (1) L(t
-///   + dt/2) = L(t - dt/2) + dt T, orientation by NoSquish                                  (2)
+///   v(t + dt/2) = [(m - c dt/2) v(t - dt/2) + dt (F + m g - k s)]/(m + c dt/2),  s += v dt   (1)
+///   L(t + dt/2) = L(t - dt/2) + dt T, orientation by NoSquish                                (2)
 ///
-/// (1) of Slide; of Hinge with inertia, torque and angle. The dashpot c is implicit: stable for
-/// any. Momentum and angular momentum of particles and free walls are kept to rounding, as contact
-/// forces act in one point on both. Units: SI. Tests: tests/engine/free_walls.cpp.
+/// (1) for Slide, and for Hinge with inertia, torque and angle; (2) for free rotation. The dashpot
+/// c is implicit and stable for any value. Momentum and angular momentum of particles and free
+/// walls are conserved to rounding, as contact forces act at one point on both. Units: SI. Tests:
+/// tests/engine/free_walls.cpp.
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Moves a driven wall for `elapsed` [s]: pose, and what of the state goes with it.
+/// Moves a driven wall for `elapsed` [s]: updates its pose and the state that depends on it.
 inline void drift_wall(Wall& wall, double elapsed) {
   WallState& s = wall.state;
   if (std::holds_alternative<FreeBody>(wall.drive)) {
@@ -38,12 +39,12 @@ inline Vec3d torque_about(const Wall& wall, const Vec3d& point) {
   return wall.torque + cross(wall.reference - point, wall.force);
 }
 
-/// ... about the centre of its drive, `point`, with that of a liquid.
+/// Torque about the centre of its drive, `point`, including that of a liquid.
 inline Vec3d torque_on_drive(const Wall& wall, const Vec3d& point) {
   return torque_about(wall, point) + wall.liquid_torque;
 }
 
-/// One speed along a line or about an axis by (1).
+/// One translational or angular velocity by (1).
 inline double kicked(double rate, double inertia, double damping, double force, double time) {
   const double half = 0.5 * damping * time;
   return ((inertia - half) * rate + time * force) / (inertia + half);
@@ -52,7 +53,7 @@ inline double kicked(double rate, double inertia, double damping, double force, 
 /// The speed of a servo, (1) of wall_drive.hpp.
 inline double servo_rate(WallState& s, double wanted, double now, double gain, double most,
                          double most_way, double time_step) {
-  constexpr double settles = 40;  // [-] T over the time in which the load approaches the wanted one
+  constexpr double settles = 40;     // [-] T over the time in which the load approaches its target
   const double miss = wanted - now;  // [N] or [N m]
   double rate = std::copysign(miss == 0 ? 0 : most, miss);
   if (s.stiffness > 0) {
@@ -68,27 +69,28 @@ inline double servo_rate(WallState& s, double wanted, double now, double gain, d
   } else {
     s.drift = s.has_landed = 0;
   }
-  // Not beyond its travel.
+  // Limited to its travel.
   return std::clamp(rate, (-most_way - s.way) / time_step, (most_way - s.way) / time_step);
 }
 
-/// What the loads of this step, gravity and the drive's own forces make of its velocity: over
-/// `kick_time` [s], which is shorter than the step for the first one.
+/// Updates the wall's velocity from the loads of this step, gravity and the forces of the drive,
+/// over `kick_time` [s], which is shorter than the step for the first one.
 inline void push_wall(Wall& wall, const Vec3d& gravity, double kick_time, double time_step,
                       bool first) {
   WallState& s = wall.state;
   const double before = s.rate;
   if (const auto* servo = std::get_if<ServoForce>(&wall.drive)) {
-    s.rate = servo_rate(s, servo->force, -dot(wall.force + wall.liquid_force, normalised(servo->direction)),
+    s.rate = servo_rate(s, servo->force,
+                        -dot(wall.force + wall.liquid_force, normalised(servo->direction)),
                         servo->gain, servo->max_speed, servo->max_travel, time_step);
   } else if (const auto* turner = std::get_if<ServoTorque>(&wall.drive)) {
     s.rate = servo_rate(s, turner->torque,
                         -dot(torque_on_drive(wall, turner->centre), normalised(turner->axis)),
                         turner->gain, turner->max_rate, turner->max_turn, time_step);
   } else if (const auto* slide = std::get_if<Slide>(&wall.drive)) {
-    const double force = dot(wall.force + wall.liquid_force + slide->mass * gravity,
-                             normalised(slide->direction)) +
-                         slide->force - slide->stiffness * s.way;
+    const double force =
+        dot(wall.force + wall.liquid_force + slide->mass * gravity, normalised(slide->direction)) +
+        slide->force - slide->stiffness * s.way;
     s.rate = kicked(s.rate, slide->mass, slide->damping, force, kick_time);
   } else if (const auto* hinge = std::get_if<Hinge>(&wall.drive)) {
     const Vec3d axis = normalised(hinge->axis);
@@ -108,9 +110,9 @@ inline void push_wall(Wall& wall, const Vec3d& gravity, double kick_time, double
   s.rate_now = first ? before : 0.5 * (before + s.rate);
 }
 
-/// After an observed state: the step will be `ratio` times as long.
+/// Call after an observed state: the step becomes `ratio` times as long.
 inline void change_wall_step(Wall& wall, double ratio) {
-  if (!is_free(wall.drive)) return;  // a servo's speed is that of the load
+  if (!is_free(wall.drive)) return;  // a servo's speed follows from the load
   WallState& s = wall.state;
   s.rate = s.rate_now + ratio * (s.rate - s.rate_now);
   s.velocity = s.velocity_now + ratio * (s.velocity - s.velocity_now);
@@ -144,7 +146,7 @@ inline WallEnergy energy_of(const Wall& wall, const Vec3d& gravity) {
   return e;
 }
 
-/// Brings walls to their places at `time` [s]; `elapsed` [s] since the last step, 0 before the
+/// Moves walls to their positions at `time` [s]; `elapsed` [s] since the last step, 0 before the
 /// first.
 inline void move_walls(std::span<Wall> walls, double time, double elapsed) {
   for (Wall& wall : walls) {
@@ -158,8 +160,8 @@ inline void move_walls(std::span<Wall> walls, double time, double elapsed) {
   }
 }
 
-/// Before the very first step: the last pose is as if the first step had come before it too, so
-/// that walls have their velocity from the start. (Motions need not be defined before time 0.)
+/// Called before the very first step: sets the last pose as if a step had preceded, so that walls
+/// have their velocity from the start. (Motions need not be defined before time 0.)
 inline void start_walls(std::span<Wall> walls, double time, double time_step) {
   for (Wall& wall : walls) {
     if (!wall.moves()) continue;
@@ -177,7 +179,7 @@ inline void start_walls(std::span<Wall> walls, double time, double time_step) {
   }
 }
 
-/// Power [W] of surface velocities on the particles, before the loads are integrated.
+/// Power [W] of surface velocities on particles; call before the loads are integrated.
 inline double power_of_belts(std::span<const Wall> walls) {
   double power = 0;
   for (const Wall& wall : walls) power += wall.belt_power;

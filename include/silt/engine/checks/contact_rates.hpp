@@ -15,28 +15,34 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// How fast spheres swing, and are damped, in the contacts that they have now, over the time step.
+/// The rates at which spheres oscillate and are damped in their present contacts, times the step.
 ///
 ///   K_i = sum_j k (1/m_i + 1/sqrt(m_i m_j)) n n^T, C_i likewise of c; at a wall 1/m_i alone    (1)
 ///   rate_i = dt (sqrt|K_i| + |C_i|/2), of Gear another: see its rate()                         (2)
 ///
-/// k and c are stiffness and damping of a contact along its normal, from the law's force itself.
-/// The largest |K_i| bounds the square of the highest frequency that the whole packing has, since
-/// k (a - b)^2 <= k (1 + s) a^2 + k (1 + 1/s) b^2 with s = sqrt(m_i/m_j); it is that of a lattice
-/// whose neighbours swing against each other. Leapfrog breaks where dt times it is 2; an impact
-/// errs by some 10 % at a rate of 1.25, and makes energy above (docs/stability.md).
-/// The same of rolling and twisting, with the couple over the relative rotation and the inertia
+/// k and c are stiffness and damping of a contact along its normal, obtained from the law's force.
+/// The largest |K_i| bounds the square of the highest frequency of the whole packing, since
+///
+///   k (a - b)^2 <= k (1 + s) a^2 + k (1 + 1/s) b^2,  s = sqrt(m_i/m_j)
+///
+/// and a lattice whose neighbours oscillate in antiphase reaches the bound. Leapfrog becomes
+/// unstable where dt times the frequency is 2; an impact has an error of some 10 % at a rate of
+/// 1.25, and gains energy above (docs/stability.md).
+///
+/// The same holds for rolling and twisting, with the couple per relative rotation, and the inertia
 /// I of a sphere whose contact slides, without n n^T.
-/// The limit of the time step looks at speeds alone: this one sees grains that are squeezed or
-/// stick, contacts that few steps resolve, and resistance to rolling that is too stiff or too
-/// strongly damped. Spheres where they were `back` [s] ago.
+///
+/// The time step limit at the start considers speeds only. This check also detects particles that
+/// are compressed or stick, contacts resolved by too few steps, and rolling resistance that is too
+/// stiff or too strongly damped. Positions are those of `back` [s] ago.
+///
 /// Tests: tests/engine/contact_rates.cpp.
 struct LinearContact {
   double k;  // [N/m]
   double c;  // [N s/m]
 };
 
-/// Stiffness and damping by differences of the law's force at rest, where the bodies touch.
+/// Stiffness and damping from differences of the law's force at rest, at the present overlap.
 template <class Law>
 LinearContact linearised(Contact<double> at, const typename Law::template Coefficients<double>& p) {
   const auto force = [&](double overlap, double speed) {
@@ -50,17 +56,18 @@ LinearContact linearised(Contact<double> at, const typename Law::template Coeffi
   const double d = at.overlap, h = 1e-3 * d;
   at.time_step *= 1e-3;  // c of the law, before leapfrog_damping
   const double k = (force(d + h, 0) - force(d - h, 0)) / (2 * h);
-  // So slow that the dashpot stays far below the spring, and no law cuts its force.
+  // Slow enough that the dashpot force stays far below the spring force and no law clips it.
   const double parting = 1e-4 * d * std::sqrt(std::abs(k) * at.inverse_m_eff);  // [m/s]
   const double c = (force(d, 0) - force(d, parting)) / parting;
   return {std::isfinite(k) ? std::max(k, 0.0) : 0.0, std::isfinite(c) ? std::max(c, 0.0) : 0.0};
 }
 
-/// The same of a rolling model's couple [N m/rad], [N m s/rad]; the larger of rolling and twisting.
-/// From one step, two and four: what a spring gives grows with the step, what a dashpot gives does
-/// not, and what falls with the step is left out. That is RollingContact::against(): an eighth of a
-/// slow rotation in each step, whatever the step. With many contacts it may overshoot, but only
-/// among rotations so slow that they are damped, as the couple is never above the model's.
+/// The same for the couple of a rolling model [N m/rad], [N m s/rad]; the larger of rolling and
+/// twisting. It is evaluated with one, two and four time steps: a spring's contribution grows with
+/// the step, a dashpot's does not, and what decreases with the step is excluded. That is
+/// RollingContact::against(), which removes an eighth of a slow rotation in each step of any
+/// length. With many contacts it may overshoot, but only for rotations so slow that they are
+/// damped, as the couple never exceeds the model's.
 template <class Law, class Rolling>
 LinearContact linearised_rolling(const Contact<double>& at, double normal_force, double inertia,
                                  const typename Law::template Coefficients<double>& law,
@@ -105,22 +112,22 @@ LinearContact linearised_rolling(const Contact<double>& at, double normal_force,
   return most;
 }
 
-/// sum of w n n^T of one sphere
+/// Sum of w n n^T of one sphere.
 struct NormalSum {
   double xx = 0, yy = 0, zz = 0, xy = 0, yz = 0, zx = 0;
   void add(double w, const Vec3d& n) {
     xx += w * n.x * n.x, yy += w * n.y * n.y, zz += w * n.z * n.z;
     xy += w * n.x * n.y, yz += w * n.y * n.z, zx += w * n.z * n.x;
   }
-  /// A bound of the largest eigenvalue: the largest sum of a row.
+  /// Upper bound of the largest eigenvalue: the largest row sum.
   double bound() const {
     const double a = std::abs(xy), b = std::abs(yz), c = std::abs(zx);
     return std::max({xx + a + c, yy + a + b, zz + b + c});
   }
 };
 
-/// The sums (1) of all particles. Of bodies, K bounds translation and rotation together: a contact
-/// whose normal passes the centre of mass at a lever r x n adds k (r x n) I^-1 (r x n).
+/// The sums (1) of all particles. For bodies, K bounds translation and rotation together: a contact
+/// whose normal has the lever r x n about the centre of mass adds k (r x n) I^-1 (r x n).
 template <class EngineType, class Domain>
 class ContactRates {
  public:
@@ -135,11 +142,11 @@ class ContactRates {
       add_spheres(domain);
   }
 
-  /// SimulationError if a sphere's rate is above the limit.
+  /// Throws SimulationError if a sphere's rate is above the limit.
   void check(std::int64_t step, double time, double limit) const {
     std::size_t worst = 0;
     double most = 0;
-    for (std::size_t k = 0; k < e_.owners(); ++k)  // ghosts have their rates on their own ranks
+    for (std::size_t k = 0; k < e_.owners(); ++k)  // ghosts are checked on their own ranks
       if (const double r = rate(k); r > most) most = r, worst = k;
     if (most <= limit) return;
     const std::size_t row = sums_[worst].row;
@@ -162,7 +169,7 @@ class ContactRates {
         rate_of<I>(step * std::sqrt(s.k.bound() + s.turning.k), step * (s.c.bound() + s.turning.c)),
         rate_of<I>(step * std::sqrt(s.rolling.k), step * s.rolling.c));
   }
-  /// [s] in which the rate is the limit.
+  /// [s] time step at which the rate equals the limit.
   double step_for(std::size_t k, double limit) const {
     double low = 0, high = time_step_;
     for (int halving = 0; halving < 60; ++halving) {
@@ -177,9 +184,9 @@ class ContactRates {
   static constexpr bool rolls = EngineType::Contacts::has_rolling && !of_own_rotation<Rolling>;
   struct Sums {
     NormalSum k, c;
-    LinearContact turning{0, 0};  // of bodies, over the inertia
-    LinearContact rolling{0, 0};  // over the inertia
-    std::uint32_t row = 0;        // one of the particle's
+    LinearContact turning{0, 0};  // of bodies, divided by the inertia
+    LinearContact rolling{0, 0};  // divided by the inertia
+    std::uint32_t row = 0;        // one of the particle's rows
   };
   struct Pair {
     LinearContact normal, rolling;
@@ -233,7 +240,7 @@ class ContactRates {
     const double turn_both = std::sqrt((a + turn_i) * (b + turn_j)) - both;
     add(i, a, both, n, turn_i, turn_both, contact), add(j, b, both, n, turn_j, turn_both, contact);
   }
-  /// `radii` [m], the second 0 of a wall.
+  /// `radii` [m]; the second is 0 for a wall.
   Pair linear(std::size_t i, std::size_t other, const Vec3d& n, double depth,
               std::array<double, 2> radii, double inv_m,
               [[maybe_unused]] double inv_inertia) const {
@@ -261,8 +268,8 @@ class ContactRates {
     s.k.add(pair.normal.k * w, n), s.c.add(pair.normal.c * w, n);
     s.turning.k += pair.normal.k * (turn + turn_both);
     s.turning.c += pair.normal.c * (turn + turn_both);
-    // Both spheres of a pair bear the couple: as in (1), with the inertia for the mass.
-    const double inertia = Inertia::factor() * r * r;  // [m2] over the mass
+    // Both spheres of a pair receive the couple: as in (1), with inertia in place of mass.
+    const double inertia = Inertia::factor() * r * r;  // [m2] divided by the mass
     s.rolling.k += pair.rolling.k * w / inertia;
     s.rolling.c += pair.rolling.c * w / inertia;
   }

@@ -14,11 +14,11 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What the ledger misses where spheres leave in the middle of their contacts: the energy in the
-/// normal springs half a step after the last forces, and the second half of the work of all other
-/// forces of that step. With it the books close to second order in the step, as for contacts that
-/// end by themselves. Springs along the surface need nothing: what they hold as they end is
-/// friction.
+/// Energy that the ledger misses when spheres are removed during contact: the energy in the normal
+/// springs half a step after the last force computation, and the second half of the work of all
+/// other forces of that step. With it the energy balance closes to second order in the step, as for
+/// contacts that end by separation. Tangential springs need no correction: their energy at the end
+/// counts as friction.
 /// Tests: tests/breakage/runs.cpp, tests/engine/removed_springs.cpp.
 template <class EngineType, class Domain>
 class EndedContacts {
@@ -30,8 +30,8 @@ class EndedContacts {
   double normal = 0;                                 // [J] in normal springs
   ContactEnergy<double> work = no_energy<double>();  // [J] of the other forces
 
-  /// Of the contacts of these rows, sorted, but for those with ghosts; `since` [s]: how long ago
-  /// the last forces acted on the present positions.
+  /// For the contacts of these rows (sorted), except those with ghosts; `since` [s]: time since the
+  /// last forces acted, at the present positions.
   EndedContacts(const EngineType& e, const Domain& domain, std::span<const std::uint32_t> rows,
                 double since, double dt)
       : e_(e), since_(since), dt_(dt) {
@@ -57,7 +57,7 @@ class EndedContacts {
       : e_(e), since_(since), dt_(dt) {
     add_pair(pair.number, domain);
   }
-  /// Of all contacts of one wall.
+  /// Of all contacts with one wall.
   struct OfWall {
     std::size_t number;
   };
@@ -98,7 +98,7 @@ class EndedContacts {
     const auto& all = e_.lists.walls;
     const auto& m = e_.particles.motion[c.particle];
     const double r = e_.particles.position[c.particle].r;
-    // Its own slot: the only one, or that which had nearly this normal.
+    // The contact's own slot: the only one, or the one that had nearly this normal.
     const std::size_t slots =
         std::remove_cvref_t<decltype(all)>::slots_of(wall.surfaces[c.surface]);
     std::size_t slot = c.slot;
@@ -122,7 +122,7 @@ class EndedContacts {
     add(kin, {r, 0}, turn, kind,
         [&](std::size_t h) { return static_cast<double>(all.history(h, slot)); });
   }
-  /// `history(h)`: what the contact remembers.
+  /// `history(h)`: component h of the contact history.
   template <class History>
   void add(Kinematics<double> kin, const Radii<double>& radii, const Vec3d& turn, std::size_t kind,
            const History& history) {

@@ -17,10 +17,10 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// As EndedContacts, of polyhedra: what the ledger misses where they leave in the middle of their
-/// contacts, before the next forces. Contacts are looked at where the bodies are now, and their
-/// springs half a step before; the forces at the three points of a contact are those of the last
-/// step. The convex rows must be up to date.
+/// The same as EndedContacts for polyhedra: energy that the ledger misses when they are removed
+/// during contact, before the next force computation. Contacts are evaluated at the present
+/// positions, their springs half a step earlier; the forces at the three points of a contact are
+/// those of the last step. The convex rows must be up to date.
 /// Tests: tests/breakage/polyhedra_energy.cpp.
 template <class EngineType, class Domain>
 class EndedSolidContacts {
@@ -32,7 +32,7 @@ class EndedSolidContacts {
   double normal = 0;                                 // [J] in normal springs
   ContactEnergy<double> work = no_energy<double>();  // [J] of the other forces
 
-  /// Of the contacts of these rows, sorted.
+  /// For the contacts of these rows (sorted).
   EndedSolidContacts(const EngineType& e, const Domain& domain, std::span<const std::uint32_t> rows,
                      double dt)
       : e_(e), dt_(dt) {
@@ -96,7 +96,7 @@ class EndedSolidContacts {
         R, {2 * R, 2 * R}, kind_of(i, of_j), history);
   }
 
-  /// Contacts with one surface and its images, each with the slot of its feature, or of its normal.
+  /// Contacts with one surface and its images, each with the slot of its feature or of its normal.
   template <class Candidates>
   void add_wall(const Candidates& images) {
     const auto& c = images.front();
@@ -118,7 +118,7 @@ class EndedSolidContacts {
                 dot(one.normal, found.normal) + (one.feature == found.feature ? 2 : 0);
             if (cosine > nearest) nearest = cosine, slot = s;
           }
-          if (slot == slots) return;  // it begins now
+          if (slot == slots) return;  // this contact begins now
           const auto body = body_of(c.particle);
           const Vec3d arm = found.point - centre, on_wall = walls.seen(of, found.point);
           const Vec3d spin =
@@ -131,8 +131,8 @@ class EndedSolidContacts {
         });
   }
 
-  /// `velocity` [m/s] and `spin` [rad/s] of i relative to the partner; `history(h)`: what the
-  /// contact remembers.
+  /// `velocity` [m/s] and `spin` [rad/s] of i relative to the partner; `history(h)`: component h of
+  /// the contact history.
   template <class History>
   void add(const SolidContact& found, const Vec3d& velocity, const Vec3d& spin, double inverse_mass,
            double R_eff, const Radii<double>& radii, std::size_t kind, const History& history) {

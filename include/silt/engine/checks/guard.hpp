@@ -23,35 +23,35 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Limits that a run must keep; where one is broken it stops with a SimulationError. What each of
-/// them prevents, and why it has its default: docs/stability.md.
+/// Limits on a run. If one is exceeded, the run is aborted with a SimulationError.
+/// docs/stability.md says what each limit prevents and why it has its default.
 struct Guard {
-  double max_overlap = 0.3;      // [-] of the smaller radius; of pairs: set_max_overlap
-  double max_time_step = 0.125;  // [-] of the shortest contact time at the largest speed
-  double max_travel = 0.3;       // [-] of the smallest radius: tips of particles and walls, a step
-  double max_rate = 1.25;        // [-] of a particle in its contacts: contact_rates.hpp
-  bool through_meshes = false;   // true: particles may come out behind a mesh, if limits let them
-  std::optional<Box> domain = {};  // [m] particles must stay inside; left out: not checked
+  double max_overlap = 0.3;      // [-] relative to the smaller radius; per pair: set_max_overlap
+  double max_time_step = 0.125;  // [-] relative to the shortest contact time at the largest speed
+  double max_travel = 0.3;      // [-] of the smallest radius: tips of particles and walls, per step
+  double max_rate = 1.25;       // [-] of a particle in its contacts: contact_rates.hpp
+  bool through_meshes = false;  // true: particles may tunnel to the back of a mesh
+  std::optional<Box> domain = {};  // [m] region that particles must not leave; empty: not checked
 };
 
 namespace detail {
 
-/// Whether a shorter time step may mend what a run was stopped for: only where the limits that see
-/// too long ones in time have been lifted.
+/// Whether a shorter time step may cure the error: only if the limits that detect too long a step
+/// in time have been disabled.
 inline bool lets_long_steps_pass(const Guard& guard) {
   const Guard usual;
   return guard.max_time_step > usual.max_time_step || guard.max_travel > usual.max_travel ||
          guard.max_rate > usual.max_rate;
 }
 
-/// A time step [s] to advise, to three digits and safely below.
+/// A recommended time step [s], rounded down to three digits.
 inline std::string below(double time_step) {
   char digits[32];
   std::snprintf(digits, sizeof digits, "%.3g", 0.999 * time_step);
   return digits;
 }
 
-/// A wall whose motion has given a pose that is none would act on nothing, or on other places.
+/// A wall whose motion returned an invalid pose would act on nothing or in the wrong place.
 inline void check_pose(std::span<const Wall> walls, std::size_t number, std::int64_t step,
                        double time) {
   const Wall& wall = walls[number];
@@ -71,7 +71,7 @@ inline void check_pose(std::span<const Wall> walls, std::size_t number, std::int
   if (std::abs(length2 - 1) > 1e-6) stop("a rotation whose quaternion is not of length 1");
 }
 
-/// How far [m] points of a moving wall go in a step, where particles may be near them.
+/// Displacement per step [m] of the points of a moving wall where particles may be near.
 template <class EngineType>
 double travel_of(const EngineType& e, const Wall& w) {
   if (e.particles.size() == 0 && !EngineType::of_ranks) return 0;
@@ -79,7 +79,7 @@ double travel_of(const EngineType& e, const Wall& w) {
   return deformation_of(w) +
          displacement_of(w, w.pose, w.last_pose, e.lists.searched_walls.region_of(w));
 }
-/// The longest such way.
+/// The largest such displacement.
 template <class EngineType>
 double wall_travel(const EngineType& e) {
   double most = 0;
@@ -94,15 +94,15 @@ template <class EngineType>
   return fastest;
 }
 
-/// How fast the surface of a particle is, with its tips (Body::tip_speed).
+/// Speed of the surface of a particle, tips included (Body::tip_speed).
 struct SurfaceSpeed {
-  double centre = 0, by_spin = 0;  // [m/s] by_spin: 0 of spheres
+  double centre = 0, by_spin = 0;  // [m/s] by_spin: 0 for spheres
   double spin = 0;                 // [rad/s]
   ParticleId id = no_particle;
 
   double sum() const { return centre + by_spin; }
   bool is_of_tips() const { return by_spin > 0.1 * centre; }
-  /// What the speed is made of, for a sentence; nothing where the spin is hardly a part of it.
+  /// The two contributions to the speed, for a message; empty if the rotation hardly contributes.
   std::string words() const {
     if (!is_of_tips()) return {};
     return sentence(" (of the tips of particle ", id, ": its velocity of ", centre, " m/s and ",
@@ -167,7 +167,7 @@ template <class EngineType>
       step, ids, where);
 }
 
-/// Particles and walls that go too far in a step may pass through each other unseen.
+/// Particles and walls that move too far in a step may pass through each other undetected.
 template <class EngineType>
 void check_travel(const EngineType& e, double wall_way, std::int64_t step, double time, double dt,
                   double limit) {
@@ -175,7 +175,7 @@ void check_travel(const EngineType& e, double wall_way, std::int64_t step, doubl
   if (!(way <= most && wall_way <= most)) throw_travel(e, wall_way, step, time, dt, limit);
 }
 
-/// Where a mesh is so fine and bent that a sphere touches more places than it has contacts for.
+/// A mesh so fine and curved that a sphere touches it in more places than there are contact slots.
 template <class EngineType>
 void check_crowded(const EngineType& e, std::int64_t step, double time, double back) {
   const auto crowded = e.crowded();

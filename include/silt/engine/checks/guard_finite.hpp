@@ -14,7 +14,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Spins that are not finite act on velocities of spheres only where there is friction.
+/// Angular velocities that are not finite reach the velocities of spheres only through friction.
 template <class EngineType>
 void check_spins(const EngineType& e, std::int64_t step, double time, bool shorter) {
   if constexpr (EngineType::rotates)
@@ -30,7 +30,7 @@ void check_spins(const EngineType& e, std::int64_t step, double time, bool short
             step, {e.id_of(k)}, e.lists.reference[k]);
 }
 
-/// Two particles at one place have no normal: names them, if there are such.
+/// Two particles at the same position have no normal; names them if there are any.
 template <class EngineType>
 [[gnu::cold]] void check_coincident(const EngineType& e, std::int64_t step, double time) {
   e.lists.pairs.for_each([&](std::size_t k) {
@@ -47,7 +47,7 @@ template <class EngineType>
   });
 }
 
-/// What observers, or the program between two runs, have made of gravity and the particles.
+/// Checks gravity and particles after changes by observers, or by the program between two runs.
 template <class EngineType>
 void check_given(const EngineType& e, const Vec3d& gravity, std::int64_t step, double time) {
   const auto stop = [&](const std::string& what, std::vector<ParticleId> ids, const Vec3d& at) {
@@ -75,7 +75,7 @@ void check_given(const EngineType& e, const Vec3d& gravity, std::int64_t step, d
   }
 }
 
-/// Looks for the particle that has become not a number; says where, and what to change.
+/// Finds the particle whose state is NaN; says where it is and what to change.
 template <class EngineType>
 [[noreturn, gnu::cold]] void throw_not_finite(const EngineType& e, std::int64_t step, double time,
                                               bool shorter) {
@@ -93,7 +93,7 @@ template <class EngineType>
                  " is not finite near ", e.lists.reference[k], " m", mend),
         step, {e.id_of(k)}, e.lists.reference[k]);
   }
-  check_spins(e, step, time, shorter);  // that of a body moves its tips
+  check_spins(e, step, time, shorter);  // for a body it moves the tips
   throw SimulationError(
       sentence("step ", step, ", t = ", time, " s: the squared velocities overflow", mend), step,
       {}, {});

@@ -18,7 +18,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The limits of the overlap: one for all contacts, and those of single pairs of materials.
+/// Overlap limits: one for all contacts, and those set for pairs of materials.
 class OverlapLimits {
  public:
   void set(std::size_t a, std::size_t b, double limit) { of_pairs_[std::minmax(a, b)] = limit; }
@@ -35,7 +35,7 @@ class OverlapLimits {
     for (const auto& [pair, limit] : of_pairs_) otherwise = std::max(otherwise, limit);
     return otherwise;
   }
-  /// The largest of a material's.
+  /// The largest limit of a material.
   double most(std::size_t material, double otherwise) const {
     for (const auto& [pair, limit] : of_pairs_)
       if (pair.first == material || pair.second == material) otherwise = std::max(otherwise, limit);
@@ -43,10 +43,10 @@ class OverlapLimits {
   }
 
  private:
-  std::map<std::pair<std::size_t, std::size_t>, double> of_pairs_;  // the lower number first
+  std::map<std::pair<std::size_t, std::size_t>, double> of_pairs_;  // lower number first
 };
 
-/// Material of a row of particles.
+/// Material of the particle in this row.
 template <class EngineType>
 std::size_t material_of([[maybe_unused]] const EngineType& e, [[maybe_unused]] std::size_t row) {
   if constexpr (EngineType::Contacts::several_materials)
@@ -55,16 +55,17 @@ std::size_t material_of([[maybe_unused]] const EngineType& e, [[maybe_unused]] s
     return 0;
 }
 
-/// A contact and how far it is above its limit.
+/// A contact and how far it exceeds its limit.
 struct DeepContact {
-  double excess = -1, overlap = 0, limit = 0;  // [-] overlap over limit; of the smaller radius
+  double excess = -1, overlap = 0,
+         limit = 0;  // [-] excess: overlap over limit
   std::uint32_t a = 0, b = 0;
   std::size_t material_a = 0, material_b = 0, wall = 0;
   bool with_wall = false;
 };
 
-/// Calls visit(a, b, wall, with_wall, overlap [-] of the smaller radius) for the contacts of rows
-/// as they lay `back` [s] ago; b is 0 with a wall.
+/// Calls visit(a, b, wall, with_wall, overlap [-] relative to the smaller radius) for the contacts
+/// of rows at the positions of `back` [s] ago; b is 0 for a wall.
 template <class EngineType, class Domain, class Visit>
 [[gnu::cold]] void for_each_overlap(const EngineType& e, const Domain& domain, double back,
                                     const Visit& visit) {
@@ -87,7 +88,7 @@ template <class EngineType, class Domain, class Visit>
   }
 }
 
-/// The contact whose overlap is the largest share of its limit, measured `back` [s] ago.
+/// The contact with the largest overlap relative to its limit, `back` [s] ago.
 template <class EngineType, class Domain>
 [[gnu::cold]] DeepContact deepest_contact(const EngineType& e, const Domain& domain, double back,
                                           double limit, const OverlapLimits& limits) {
@@ -104,7 +105,7 @@ template <class EngineType, class Domain>
   return most;
 }
 
-/// Centre of the particle that a row is, or belongs to [m], `back` [s] ago.
+/// Centre [m] of the particle that a row is or belongs to, `back` [s] ago.
 template <class EngineType>
 Vec3d centre_of_owner(const EngineType& e, std::size_t row, double back) {
   if constexpr (EngineType::of_bodies) {
@@ -115,7 +116,7 @@ Vec3d centre_of_owner(const EngineType& e, std::size_t row, double back) {
   }
 }
 
-/// Why two particles overlap where a run begins, and what to change.
+/// Explains an overlap of two particles at the start of a run, and what to change.
 template <class EngineType, class Domain>
 [[gnu::cold]] std::string twin_words(const EngineType& e, [[maybe_unused]] const Domain& domain,
                                      double back, const DeepContact& c) {
@@ -129,7 +130,7 @@ template <class EngineType, class Domain>
          "leave one of them out";
 }
 
-/// The same of a particle and a wall: the wall may be turned over, or stand inside the bed.
+/// The same for a particle and a wall: the wall may be inverted, or lie inside the bed.
 template <class EngineType, class Domain>
 [[gnu::cold]] std::string behind_words(const EngineType& e, const Domain& domain, double back,
                                        const DeepContact& c) {
@@ -158,11 +159,11 @@ template <class EngineType, class Domain>
       "particles out");
 }
 
-/// What a sentence about an overlap may say: `at_start`, that no step has been done with these
-/// particles and walls, so that the scene was given so; `longer`, whether the time step is longer
-/// than silt chooses, so that the overlap may be an error of it; `name` of a material; `inlet_at`,
-/// which inlet has a place in its region, if one has; `edit_of`, which function has changed the
-/// size of the particle with an id in this step, or null.
+/// Information for a message about an overlap. `at_start`: no step has been done with these
+/// particles and walls, so the overlap is in the initial state; `longer`: the time step is longer
+/// than silt's choice and may be the cause; `name` of a material; `inlet_at`: the inlet whose
+/// region contains a position, if any; `edit_of`: the function that changed the size of a particle
+/// in this step, or null.
 template <class Longer, class Name, class InletAt, class EditOf>
 struct OverlapWords {
   bool at_start;
@@ -174,7 +175,7 @@ struct OverlapWords {
 template <class... Words>
 OverlapWords(bool, Words...) -> OverlapWords<Words...>;
 
-/// The same of an overlap that a change of a size has made; empty if none has.
+/// The same for an overlap caused by a change of size; empty if there was none.
 template <class EditOf>
 [[gnu::cold]] std::string edit_words(const EditOf& edit_of, ParticleId a, ParticleId b) {
   const char* const of_a = edit_of(a);
@@ -185,8 +186,8 @@ template <class EditOf>
                   "way");
 }
 
-/// The first wall whose drive presses with a load of its own, which may be more than the particles
-/// bear; empty without.
+/// The first wall that is driven by a load, which may exceed what the particles support; empty if
+/// there is none.
 [[gnu::cold]] inline std::string drive_words(std::span<const Wall> walls) {
   for (std::size_t w = 0; w < walls.size(); ++w) {
     const auto say = [&](const char* what, double load, const char* unit) {
@@ -204,8 +205,8 @@ template <class EditOf>
   return {};
 }
 
-/// The overlaps of a step are above the least limit: names the contact that is above its own, if
-/// there is one.
+/// Called if an overlap of the step exceeds the smallest limit: finds the contact that exceeds its
+/// own limit, if any.
 template <class EngineType, class Domain, class Words>
 [[gnu::cold]] void check_overlaps(const EngineType& e, const Domain& domain, std::int64_t step,
                                   double time, double back, double limit,
@@ -219,7 +220,7 @@ template <class EngineType, class Domain, class Words>
                     words.longer() ? ", a lower speed or a smaller time step" : " or a lower speed",
                     ", or start without overlaps");
   };
-  if (!(c.excess > 0.99))  // gone: parts of bodies that turn fast are not quite where they were
+  if (!(c.excess > 0.99))  // not found: bodies rotate fast, positions are approximate
     throw SimulationError(
         sentence("step ", step, ", t = ", time,
                  " s: two particles, or one and a wall, overlapped by ", e.largest_overlap,
@@ -230,7 +231,7 @@ template <class EngineType, class Domain, class Words>
   const Vec3d where = place_before(e, c.a, back);
   const auto head = sentence("step ", step, ", t = ", time, " s: ");
   const std::string both = words.name(c.material_a) + " and " + words.name(c.material_b);
-  const bool is_given_so = at_start && c.overlap > 1;  // no material would bear that
+  const bool is_given_so = at_start && c.overlap > 1;  // larger than any material would allow
   const std::optional<std::size_t> inlet =
       c.with_wall && c.overlap > 1 ? words.inlet_at(centre_of_owner(e, c.a, back)) : std::nullopt;
   const std::string by_edit =

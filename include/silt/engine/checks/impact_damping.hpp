@@ -9,29 +9,29 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Two that meet head-on.
+/// A head-on impact of two particles, or of a particle and a wall.
 struct Meeting {
   double radius_i, radius_j;   // [m]; radius_j 0: a wall
   double R_eff, m_eff, speed;  // [m], [kg], [m/s]
   double slip_mobility;        // [-] as in Contact
 };
 
-/// How strongly the dashpots of a contact act [1/s]: c/m* along the normal, c_t over the mass that
-/// slips across it; the largest of the approach.
+/// Damping rates of a contact [1/s]: normal c/m*, tangential c_t over the mass that slips; the
+/// largest values during the approach.
 struct DampingRates {
   double normal = 0, shear = 0;
 };
 
-/// From the law's own force, by differences, along the impact until its largest overlap. The impact
-/// is integrated by a method that is stable for any dashpot; 4 % of the contact time a step.
-/// `contact_time` [s] without damping.
+/// From differences of the law's own force, along the impact up to its largest overlap. The impact
+/// is integrated by a method that is stable for any dashpot, with steps of 4 % of the contact time.
+/// `contact_time` [s] is that without damping.
 template <class Law>
 DampingRates damping_rates(const typename Law::template Coefficients<double>& p, const Meeting& m,
                            double contact_time) {
   Contact<double> c{};
   c.normal = {0, 0, 1}, c.R_eff = m.R_eff, c.m_eff = m.m_eff, c.inverse_m_eff = 1 / m.m_eff;
   c.radius_i = m.radius_i, c.radius_j = m.radius_j, c.slip_mobility = m.slip_mobility;
-  c.time_step = 1e-9 * contact_time;  // springs of the slip do not move
+  c.time_step = 1e-9 * contact_time;  // short enough that tangential springs do not move
   bool intervened = false;
   const auto force = [&](double overlap, double speed, double slip) {
     c.overlap = overlap, c.normal_velocity = -speed, c.tangential_velocity = {slip, 0, 0};
@@ -61,9 +61,9 @@ DampingRates damping_rates(const typename Law::template Coefficients<double>& p,
   return most;
 }
 
-/// The time [s] that the step is a share of: that of the contact, or, where the dashpots are so
-/// strong that the integrator needs shorter steps, less: at an eighth of it the rates times the
-/// step are what the integrator follows.
+/// The time [s] that the step is a fraction of: the contact time, or less if the dashpots are so
+/// strong that the integrator needs shorter steps. At an eighth of the returned time, rate times
+/// step is the integrator's limit.
 template <class Law, class Integrator>
 double time_to_resolve(const typename Law::template Coefficients<double>& p, const Meeting& m,
                        double contact_time) {

@@ -19,9 +19,9 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The spheres of one material that may make the shortest contacts: linear springs those of the
-/// least mass, Hertz' law those of the least m^2/R, which a large sphere of a light material may
-/// be.
+/// The spheres of one material that can have the shortest contacts: for linear springs the lightest
+/// ones, for the Hertz law those with the smallest m^2/R, which may be a large sphere of low
+/// density.
 struct LightestSpheres {
   struct One {
     double radius = std::numeric_limits<double>::infinity();  // [m]
@@ -29,16 +29,16 @@ struct LightestSpheres {
     bool operator==(const One&) const = default;
   };
   One of_mass, of_hertz;
-  One largest{0};  // of those that move
-  /// Each of the three once.
+  One largest{0};  // of the mobile ones
+  /// Each of the three, without duplicates.
   std::vector<One> extremes() const {
     std::vector<One> all{of_mass};
     if (of_hertz != of_mass) all.push_back(of_hertz);
     if (largest != of_mass && largest != of_hertz) all.push_back(largest);
     return all;
   }
-  double fixed = 0;                                     // [m] radius of the largest fixed one
-  double least_density = One{}.mass, most_density = 0;  // [kg/m3] of m/R^3
+  double fixed = 0;                                     // [m] radius of the largest fixed sphere
+  double least_density = One{}.mass, most_density = 0;  // [kg/m3] as m/R^3
 
   void include(const One& s) {
     if (!std::isfinite(s.mass)) {
@@ -53,7 +53,7 @@ struct LightestSpheres {
     least_density = std::min(least_density, density);
     most_density = std::max(most_density, density);
   }
-  /// Those of both.
+  /// Includes the spheres of both.
   void include_all(const LightestSpheres& more) {
     for (const One& s : more.extremes())
       if (more.any()) include(s);
@@ -66,14 +66,14 @@ struct LightestSpheres {
   static double hertz(const One& s) { return s.mass * s.mass / s.radius; }
 };
 
-/// What may meet, by material: spheres, and walls.
+/// Which materials may meet: spheres, and walls.
 struct Meetings {
   std::vector<LightestSpheres> spheres;
   std::vector<bool> walls;
-  std::vector<double> wall_mass;  // [kg] the least that contacts of a wall meet
+  std::vector<double> wall_mass;  // [kg] the smallest mass that meets a wall
 };
 
-/// True if the law has a closed form of its contact time.
+/// True if the law has a closed form for its contact time.
 template <class Law>
 concept HasContactTime = requires(const typename Law::template Coefficients<double>& p) {
   { Law::contact_time(p, 1.0, 1.0, 1.0) } -> std::same_as<double>;
@@ -85,20 +85,20 @@ concept HasContactTime = requires(const typename Law::template Coefficients<doub
 /// The contact that sets the time step.
 struct ShortestContact {
   enum class Partner { Sphere, Fixed, Wall };
-  double time = std::numeric_limits<double>::infinity();  // [s] that the step is a share of
-  double contact = 0;                                     // [s] that it lasts: longer if damped
+  double time = std::numeric_limits<double>::infinity();  // [s] that the step is a fraction of
+  double contact = 0;                                     // [s] contact duration: longer if damped
   std::size_t material_i = 0, material_j = 0;
   double radius_i = 0, radius_j = 0;  // [m]
   Partner partner = Partner::Sphere;
 };
 
-/// The shortest contact that impacts at `speed` [m/s] make, over what may meet: per pair of
-/// materials the lightest spheres of each, and walls only where they are. A sphere counts as two of
-/// its kind. Spheres of two materials that have one density each meet shortest where either is the
-/// smallest or the largest of its material; those of several densities are bounded by
+/// The shortest contact of impacts at `speed` [m/s], over all pairs that may meet: for each pair of
+/// materials the lightest spheres of each; walls only where they exist. A sphere can meet another
+/// one of its own kind. If two materials have one density each, the shortest contact is between
+/// their smallest or largest spheres. For several densities per material a bound is used:
 ///   m*^2/R* >= h_i h_j/(h_i + h_j), h the least m^2/R of a material
-/// which a sphere of i meets in one h_j/h_i times as large and as heavy.
-/// `pairs` by rows of as many as there are materials.
+/// which is reached when a sphere of i meets one that is h_j/h_i times as large and as heavy.
+/// `pairs`: matrix of materials, row by row.
 template <class Law, class Integrator>
 class ShortestContactSearch {
   using Coefficients = typename Law::template Coefficients<double>;
@@ -155,7 +155,7 @@ class ShortestContactSearch {
   ShortestContact found_;
 };
 
-/// The value of a material that tells most about it, in brackets; nothing if it is not known.
+/// The most characteristic value of a material, in brackets; empty if not known.
 template <class Material>
 std::string leading_value(const Material& m) {
   if constexpr (requires { m.youngs_modulus; })
@@ -176,7 +176,7 @@ std::string name_of_material(const ContactsType& contacts, std::size_t k) {
   return contacts.material_name(k) + leading_value(contacts.material(k));
 }
 
-/// Who makes the shortest contact, for a sentence.
+/// The pair with the shortest contact, for a message.
 template <class ContactsType>
 std::string describe(const ShortestContact& c, const ContactsType& contacts) {
   const auto sphere = [&](std::size_t material, double radius) {
@@ -195,9 +195,9 @@ std::string describe(const ShortestContact& c, const ContactsType& contacts) {
   return words;
 }
 
-/// The largest speed [m/s] that a wall now has where particles are. 0 where there are none.
+/// The largest present speed [m/s] of a wall where there are particles; 0 where there are none.
 inline double speed_near(const Wall& wall, const Box& particles, double time) {
-  constexpr double moment = 1e-6;  // [s] short against any motion that a simulation can follow
+  constexpr double moment = 1e-6;  // [s] short compared with any motion that can be resolved
   if (!wall.moves() || !(particles.min.x <= particles.max.x)) return 0;
   if (wall.is_driven()) {
     if (const auto* d = std::get_if<ServoForce>(&wall.drive)) return d->max_speed;
@@ -208,7 +208,7 @@ inline double speed_near(const Wall& wall, const Box& particles, double time) {
   }
   const double way =
       largest_displacement(wall.pose_at(time), wall.pose_at(time + moment), particles);
-  return std::isfinite(way) ? way / moment : 0;  // else the run will say so
+  return std::isfinite(way) ? way / moment : 0;  // if not finite, the run reports it
 }
 
 }  // namespace silt::detail

@@ -12,14 +12,14 @@
 #include <silt/engine/convex/convex_walls.hpp>
 #include <silt/engine/lists/wall_look.hpp>
 
-/// How stiff the contacts of a driven wall are: what a servo's speed follows from, and whether a
+/// Stiffness of the contacts of a driven wall. It determines the speed of a servo, and whether a
 /// free wall is too light for the time step. Tests: tests/engine/free_walls.cpp.
 
 namespace silt::inline SILT_TARGET::detail {
 
 inline constexpr std::int64_t looks_at_rates_every = 1000;  // [steps]
 
-/// A contact of a wall, as it is looked at.
+/// A contact of a wall.
 struct ContactAtWall {
   std::uint32_t particle;
   Vec3d normal, point;  // [-], [m] on the wall
@@ -28,7 +28,7 @@ struct ContactAtWall {
   double inverse_mass;  // [1/kg] of the particle along the normal
 };
 
-/// Calls visit(ContactAtWall) for the contacts of wall w in which there is an overlap.
+/// Calls visit(ContactAtWall) for the overlapping contacts of wall w.
 template <class EngineType, class Visit>
 void for_each_contact_of_wall(const EngineType& e, std::size_t w, const Visit& visit) {
   const Wall& wall = e.walls[w];
@@ -64,7 +64,7 @@ void for_each_contact_of_wall(const EngineType& e, std::size_t w, const Visit& v
   }
 }
 
-/// Stiffness and damping of such a contact along its normal, from the law itself.
+/// Stiffness and damping of such a contact along its normal, obtained from the law.
 template <class EngineType>
 LinearContact linear_at_wall(const EngineType& e, std::size_t w, const ContactAtWall& at,
                              double time_step) {
@@ -83,8 +83,8 @@ LinearContact linear_at_wall(const EngineType& e, std::size_t w, const ContactAt
       c, table.law[own * table.materials + e.walls[w].material]);
 }
 
-/// Stiffness and damping of the contacts of wall w along the direction, or about the axis, of its
-/// servo.
+/// Sum of stiffness and damping of the contacts of wall w along the direction, or about the axis,
+/// of its servo.
 template <class EngineType>
 LinearContact linear_of_servo(const EngineType& e, std::size_t w, LinearContact sum = {}) {
   const Wall& wall = e.walls[w];
@@ -102,9 +102,10 @@ LinearContact linear_of_servo(const EngineType& e, std::size_t w, LinearContact 
   return sum;
 }
 
-/// Renews stiffness and damping that a servo's speed follows from: where the load has changed by a
-/// tenth of the wanted one since the last look, else every 20 steps. With one look in 20 steps it
-/// costs a few per cent of the wall's contacts. linear(those of a liquid): of all contacts with it.
+/// Updates the stiffness and damping that set a servo's speed: if the load has changed by a tenth
+/// of its target since the last look, else every 20 steps. One look in 20 steps costs a few per
+/// cent of the wall's contacts. linear(the liquid's values): sums over all contacts with the
+/// liquid.
 template <class Linear>
 void look_at_stiffness(Wall& wall, const Linear& linear) {
   constexpr double looks_every = 20;  // [steps] of a contact
@@ -126,7 +127,7 @@ void look_at_stiffness(Wall& wall, const Linear& linear) {
   s.stiffness = all.k, s.damping = all.c;
 }
 
-/// Of a wall with a mass: what the frequencies of its contacts follow from.
+/// The contact frequencies of a wall with mass.
 struct FreeWallRates {
   double k = 0, c = 0;  // [1/s2], [1/s]
 };
@@ -144,8 +145,8 @@ FreeWallRates rates_of_free_wall(const EngineType& e, std::size_t w, double dt) 
   return all;
 }
 
-/// Refuses a wall that is so light against the stiffness of its contacts that the step does not
-/// resolve it: as ContactRates of particles.
+/// Refuses a wall that is so light for its contact stiffness that the step does not resolve its
+/// motion; as ContactRates does for particles.
 template <class EngineType>
 [[gnu::cold]] void check_free_wall(const EngineType& e, std::size_t w, const FreeWallRates& of,
                                    std::int64_t step, double time, double dt, double limit) {
@@ -166,7 +167,7 @@ template <class EngineType>
       check_free_wall(e, w, rates_of_free_wall(e, w, dt), step, time, dt, limit);
 }
 
-/// The same of the contacts on all ranks (collective).
+/// The same for the contacts on all ranks (collective).
 template <class EngineType>
 [[gnu::cold]] void check_free_walls_together(const EngineType& e, std::int64_t step, double time,
                                              double dt, double limit) {

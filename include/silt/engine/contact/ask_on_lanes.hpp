@@ -8,7 +8,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Instantiates what the engine asks of a law on lanes, with the probe in their place; runs never.
+/// Instantiates all functions of a law that the engine calls, with a probe type for the lanes; it
+/// is never run.
 template <class ContactsType, class Law = typename ContactsType::Law>
 void ask_law_on_lanes(const Contact<ProbeLane>& c,
                       const typename Law::template Coefficients<ProbeLane>& p,
@@ -49,10 +50,10 @@ void ask_rolling_on_lanes(const RollingContact<ProbeLane>& c, const OwnRotations
     if constexpr (requires { Model::stored(c, p, h); }) Model::stored(c, p, h);
 }
 
-/// True if the law and the rolling model of a Contacts type work on packs of lanes; where they do
-/// not, the compiler says so at the place in their bodies, with the sentence of the probe. In a
-/// constant expression, so that this comes before the kernels and leaves no code. A scene that
-/// names OneLane is not asked.
+/// True if the law and the rolling model of a Contacts type compile for packs of lanes. If not, the
+/// compiler reports the place in their code, with the explanation of the probe. It is evaluated in
+/// a constant expression, before the kernels and without generating code. A scene that names
+/// OneLane is not tested.
 template <class ContactsType, class Arch>
 constexpr bool laws_fit_lanes() {
   if constexpr (!std::is_same_v<Arch, OneLane>) {
@@ -73,7 +74,7 @@ constexpr bool laws_fit_lanes() {
   return true;
 }
 
-/// Instantiates a module's flux on the probe; runs never.
+/// Instantiates a module's flux with the probe; it is never run.
 template <class M>
 void ask_flux_on_lanes(const M& m, const Touching<ProbeLane>& c,
                        const typename CoefficientsOf<M>::template type<ProbeLane>& p,
@@ -89,7 +90,7 @@ constexpr void ask_module_on_lanes() {
     if constexpr (FluxOnLanes<M, ProbeLane>) static_cast<void>(&ask_flux_on_lanes<M>);
   }
 }
-/// The same of the fluxes of modules.
+/// The same for the fluxes of modules.
 template <class Arch, class... Ms>
 constexpr bool fluxes_fit_lanes(const ModuleList<Ms...>*) {
   if constexpr (!std::is_same_v<Arch, OneLane>) (ask_module_on_lanes<Ms>(), ...);

@@ -12,8 +12,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Begins the contacts with walls that bonds held so far: what they overlap by now is left out of
-/// them, by their history of the number `offset`.
+/// Starts the contacts with walls that were excluded by bonds until now. Their present overlap is
+/// excluded from the contact, stored in the history value `offset`.
 template <class EngineType>
 void begin_freed_at_walls(EngineType& e, std::size_t offset) {
   auto& walls = e.lists.walls;
@@ -23,7 +23,7 @@ void begin_freed_at_walls(EngineType& e, std::size_t offset) {
       std::size_t slot = c.slot;
       for_each_contact_with(e, c, 0, [&](const auto&, const SurfacePoint& p) {
         const std::size_t end = c.slot + walls.slots_of(e.walls[c.wall].surfaces[c.surface]);
-        while (slot < end && walls.slot(slot).touching) ++slot;  // images have theirs in common
+        while (slot < end && walls.slot(slot).touching) ++slot;  // images share them
         if (slot == end) return;
         walls.slot(slot) = {p.normal, true};
         walls.history(offset)[slot] = static_cast<typename EngineType::Scalar>(
@@ -33,8 +33,8 @@ void begin_freed_at_walls(EngineType& e, std::size_t offset) {
   e.particles.bonds.freed_at_walls.clear();
 }
 
-/// Leaves what contacts of rows with ids from `first` on, which have just come, overlap by now out
-/// of them. The lists have just been renewed.
+/// Excludes the present overlap from the contacts of rows with ids from `first` on, which were just
+/// added. The lists have just been renewed.
 template <class EngineType>
 void leave_out_overlaps(EngineType& e, ParticleId first) {
   constexpr std::size_t offset = EngineType::Contacts::offset_from;

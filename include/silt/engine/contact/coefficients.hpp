@@ -13,7 +13,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The coefficients of every pair of materials, ready for the kernels.
+/// The coefficients of every pair of materials, as the kernels use them.
 template <class ContactsType>
 struct CoefficientTable {
   std::size_t materials = 1;
@@ -21,8 +21,8 @@ struct CoefficientTable {
   std::vector<typename ContactsType::RollingCoefficients> rolling;  // materials x materials
 };
 
-/// Materials without a pair value, which nothing that touches has (NameAccess::check_pairs), stand
-/// there with the values of like ones.
+/// Pairs of materials without a pair value, which no touching particles have
+/// (NameAccess::check_pairs), get the value of like materials.
 template <class ContactsType, class Contacts>
 CoefficientTable<ContactsType> coefficient_table(const Contacts& contacts) {
   const std::size_t n = contacts.materials();
@@ -48,15 +48,15 @@ double largest_range([[maybe_unused]] const CoefficientTable<ContactsType>& tabl
   return most;
 }
 
-/// The coefficients of each lane's pair of materials. Remembers those of the last pack: mostly all
-/// lanes of all packs have the same.
+/// The coefficients of each lane's pair of materials. It keeps those of the last pack, because
+/// usually all lanes of all packs have the same.
 template <template <class> class Aggregate, class Real>
 class CoefficientLanes {
  public:
   explicit CoefficientLanes(const std::vector<Aggregate<double>>& table)
       : table_(table), lanes_(broadcast<Aggregate, Real>(table[0])) {}
 
-  /// `kinds`: the place in the table for each lane.
+  /// `kinds`: index in the coefficient table for each lane.
   SILT_INLINE void choose(const std::uint16_t* kinds) {
     unsigned other = 0;
     for (std::size_t lane = 0; lane < width; ++lane) other |= kinds[lane] ^ uniform_;
@@ -85,10 +85,10 @@ class CoefficientLanes {
 
   const std::vector<Aggregate<double>>& table_;
   Aggregate<Real> lanes_;
-  unsigned uniform_ = 0;  // the kind of all lanes, if they have one
+  unsigned uniform_ = 0;  // index common to all lanes, if there is one
 };
 
-/// Law's and rolling model's coefficients for one pack of contacts after the other.
+/// Coefficients of the law and the rolling model for successive packs of contacts.
 template <class ContactsType, class Real>
 class ContactCoefficients {
   struct NoRollingLanes {

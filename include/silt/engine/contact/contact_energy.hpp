@@ -16,19 +16,21 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Steps in one of which the ledger asks contacts what they store and what their tangential
-/// dashpots take, besides steps that are observed. The work of each force is booked in every step.
+/// Interval [steps] at which the ledger evaluates the stored energy of contacts and the dissipation
+/// of their tangential dashpots, in addition to observed steps. The work of each force is booked in
+/// every step.
 inline constexpr int ledger_asks_every = 4;
 
-/// The energy of contacts: of one, or a sum over many.
+/// The energy terms of one contact, or sums over many.
 template <class Real>
 struct ContactEnergy {
-  // Where that was asked for: [J] stored now in springs, [W] taken now by tangential dashpots.
+  // Only in steps that evaluate them: [J] stored now in springs, [W] dissipated now by tangential
+  // dashpots.
   Real normal, tangential, rolling, shear_damping;
-  // Work on the bodies since the last step [J]: of what is no spring along the normal; of the
-  // tangential force; of the couple; half of what the normal force moved.
+  // Work on the bodies since the last step [J]: of the non-elastic part of the normal force; of the
+  // tangential force; of the couple; half of the work of the normal force.
   Real dashpot, shear, couple, turned_over;
-  Real stiffening;  // [J] that tangential springs got since the last step without work
+  Real stiffening;  // [J] gained without work by tangential springs since the last step
 
   template <class Other>
   void add(const ContactEnergy<Other>& more) {
@@ -42,7 +44,7 @@ struct ContactEnergy {
     for (Real& one : all) one *= Real(0.5);
     *this = std::bit_cast<ContactEnergy>(all);
   }
-  /// From sums of forces times velocities [W], as the kernel has them, to work.
+  /// Converts sums of force times velocity [W], as the kernel computes them, to work.
   void worked(const Real& half_time) {
     dashpot *= half_time, shear *= half_time, couple *= half_time, turned_over *= half_time;
   }
@@ -66,16 +68,16 @@ struct ContactEnergy {
   }
 };
 
-/// The energy of no contact.
+/// Zero energy.
 template <class Real>
 inline ContactEnergy<Real> no_energy() {
   const Real zero(0);
   return {zero, zero, zero, zero, zero, zero, zero, zero, zero};
 }
 
-/// A Contacts type whose contacts keep, behind the histories of law and rolling model, what the
-/// ledger must know of the last step: the normal force that is no spring's, the tangential force,
-/// the couple.
+/// A Contacts type whose contacts store, behind the histories of law and rolling model, the values
+/// of the last step that the ledger needs: the non-elastic normal force, the tangential force, the
+/// couple.
 template <class ContactsType>
 struct WithLedger : ContactsType {
   static constexpr std::size_t kept_from = ContactsType::history;
@@ -89,7 +91,7 @@ inline constexpr bool keeps_ledger = requires {
   requires ContactsType::keeps_ledger;
 };
 
-/// A Contacts type whose contacts give a share of their force.
+/// A Contacts type whose contacts apply only a share of their force (SharedContacts).
 template <class ContactsType>
 struct WithShares : ContactsType {
   static constexpr bool shares_contacts = true;
@@ -99,7 +101,7 @@ inline constexpr bool shares_contacts = requires {
   requires ContactsType::shares_contacts;
 };
 
-/// Stands for the energy where there is no ledger.
+/// Replaces the energy where there is no ledger.
 struct NoEnergy {
   void halve() {}
   template <class Other>
@@ -115,18 +117,18 @@ SILT_INLINE EnergyOf<ContactsType, Real> start_energy() {
     return {};
 }
 
-/// What a stage that computes contacts returns besides the loads.
+/// Results of a contact stage besides the loads.
 template <class ContactsType>
 struct Tally {
-  double largest = 0;            // [-] overlap over the smaller radius
-  std::uint64_t safeguards = 0;  // [-] contacts in which the law's safeguard began to act
+  double largest = 0;            // [-] overlap relative to the smaller radius
+  std::uint64_t safeguards = 0;  // [-] contacts in which the law's safeguard became active
   EnergyOf<ContactsType, double> energy = start_energy<ContactsType, double>();
-  [[no_unique_address]] NotesOf<ContactsType> notes;  // of contacts that began or ended
+  [[no_unique_address]] NotesOf<ContactsType> notes;  // contacts that began or ended
   [[no_unique_address]] ImpactsOf<ContactsType> impacts;
   [[no_unique_address]] VirialOf<ContactsType> virial;
-  double parted = 0;  // [J] that offsets have given to contacts as they shrank
+  double parted = 0;  // [J] released by shrinking offsets
 
-  /// Of contacts with ghosts, which another rank counts too.
+  /// For contacts with ghosts, which another rank counts too.
   void halve_energy() { energy.halve(), parted *= 0.5; }
   void add(const Tally& other) {
     largest = other.largest > largest ? other.largest : largest;
@@ -137,7 +139,7 @@ struct Tally {
     if constexpr (sums_virial<ContactsType>) virial = virial + other.virial;
   }
 };
-/// The same while it is summed up: energies lane by lane. Floats are soon added up in double.
+/// The same during summation: energies lane by lane. Floats are converted to double early.
 template <class ContactsType, class Real>
 struct RunningTally {
   Tally<ContactsType> sum;

@@ -17,8 +17,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Policy of a Simulation that watches each contact from its begin to its end, for
-/// on_contact_begin() and on_contact_end(); without it they cost nothing.
+/// Policy of a Simulation that tracks each contact from begin to end, for on_contact_begin() and
+/// on_contact_end(). Without it they cost nothing.
 ///
 ///   silt::Simulation sim{beads, silt::Contacts<silt::HertzMindlin>{glass}, silt::ContactEvents{}};
 ///   sim.run(1.0, silt::on_contact_end(
@@ -36,18 +36,18 @@ struct ContactEvents {
 inline constexpr std::size_t no_wall = std::numeric_limits<std::size_t>::max();
 
 /// A contact of two particles, or of a particle and a wall, while the law acts between them: while
-/// they overlap, or with cohesion while they attract each other. Of bodies each pair of parts has
-/// one; of a wall each place where the particle touches one of its surfaces.
+/// they overlap or, with cohesion, attract each other. Bodies have one contact for each pair of
+/// parts; at a wall there is one for each place where the particle touches one of its surfaces.
 struct ContactEvent {
-  ParticleId a = no_particle;   // of two particles the one with the lower id
-  ParticleId b = no_particle;   // no_particle: it is a wall
+  ParticleId a = no_particle;   // the one with the lower id of two particles
+  ParticleId b = no_particle;   // no_particle: the partner is a wall
   std::size_t wall = no_wall;   // the wall's number, or no_wall
-  double begin = 0, end = 0;    // [s] first step at which they touch, and at which no longer
-  Vec3d point{0, 0, 0};         // [m] where, now
+  double begin = 0, end = 0;    // [s] first step in contact, first step after it
+  Vec3d point{0, 0, 0};         // [m] contact point, now
   Vec3d normal{0, 0, 0};        // [-] from b, or the wall, to a
-  double normal_speed = 0;      // [m/s] of approach, as they touched; negative: they parted
-  double tangential_speed = 0;  // [m/s] of sliding then, rotation included
-  double largest_force = 0;     // [N] with friction; what follows is known as the contact ends
+  double normal_speed = 0;      // [m/s] of approach at first touch; negative: receding
+  double tangential_speed = 0;  // [m/s] sliding speed at first touch, rotation included
+  double largest_force = 0;     // [N] with friction; known at the end, like lost_energy
   double lost_energy = 0;  // [J] that the contact has dissipated: minus the work of its force on
                            // the motion of both relative to each other, mean of two steps times
                            // displacement. What a moving wall brings in is not in it
@@ -56,14 +56,14 @@ struct ContactEvent {
 
 namespace detail {
 
-/// Numbers that a watched contact keeps.
+/// Values stored for a tracked contact.
 struct WatchedNumbers {
-  // Two for the time, as of floats one would not do; the first is above 0 while they touch. Of the
-  // largest force [N] its square.
+  // Two values for the time, because one float would not be precise enough; the first is above 0
+  // during contact. For the largest force [N], its square.
   static constexpr std::size_t begin = 0, normal_speed = 2, tangential_speed = 3, largest = 4,
                                work = 5, force = 6, couple = 9;
 };
-/// Whether the contacts' forces come with couples: rolling resistance, or an area.
+/// Whether the contact forces come with couples: rolling resistance, or contacts with an area.
 template <class ContactsType>
 inline constexpr bool gives_couples = [] {
   if constexpr (requires { ContactsType::points; })
@@ -72,7 +72,7 @@ inline constexpr bool gives_couples = [] {
     return ContactsType::has_rolling;
 }();
 
-/// A Contacts type whose contacts keep, behind all else, what events tell.
+/// A Contacts type whose contacts store, behind all else, the values needed for events.
 template <class ContactsType>
 struct WithEvents : ContactsType {
   static constexpr std::size_t events_from = ContactsType::history;
@@ -84,7 +84,7 @@ template <class ContactsType>
 inline constexpr bool keeps_events = requires {
   ContactsType::events_from;
 };
-/// Numbers that all contacts keep which are not events'.
+/// History values other than those of events.
 template <class ContactsType>
 inline constexpr std::size_t numbers_before_events = [] {
   if constexpr (keeps_events<ContactsType>)
@@ -93,7 +93,7 @@ inline constexpr std::size_t numbers_before_events = [] {
     return ContactsType::history;
 }();
 
-/// A begin or an end as a stage of contacts notes it: rows instead of ids.
+/// A begin or an end as recorded by a contact stage: rows instead of ids.
 struct NotedContact {
   static constexpr std::uint32_t no_row = std::numeric_limits<std::uint32_t>::max();
   ContactEvent event;
@@ -108,16 +108,16 @@ struct NoNotes {
   void add(const Other&) {}
 };
 
-/// Those of one stage, in the order of its lists.
+/// Records of one stage, in the order of its lists.
 class ContactNotes {
  public:
   void add(const ContactNotes& more) {
     noted_.insert(noted_.end(), more.noted_.begin(), more.noted_.end());
   }
   void add(const NotedContact& one) { noted_.push_back(one); }
-  /// One that has its rows and its point; all before it have theirs.
+  /// Adds a record that already has its rows and point; all records before it are complete.
   void add_complete(const NotedContact& one) { noted_.push_back(one), completed_ = noted_.size(); }
-  /// Gives those that have none rows and point: where(note).
+  /// Completes the other records with rows and point: where(note).
   template <class Where>
   void complete(const Where& where) {
     for (; completed_ < noted_.size(); ++completed_) where(noted_[completed_]);
@@ -131,7 +131,7 @@ class ContactNotes {
 template <class ContactsType>
 using NotesOf = std::conditional_t<keeps_events<ContactsType>, ContactNotes, NoNotes>;
 
-/// What a contact kept, as an event that ends now.
+/// The stored values of a contact, as an event that ends now.
 template <class NumberAt>
 ContactEvent kept_event(const NumberAt& number, double now) {
   using N = WatchedNumbers;
@@ -141,8 +141,8 @@ ContactEvent kept_event(const NumberAt& number, double now) {
   e.largest_force = std::sqrt(number(N::largest)), e.lost_energy = -number(N::work);
   return e;
 }
-/// Ends a contact whose numbers are number(k), references, without its stage: notes it, if somebody
-/// wants to know, and forgets it. `velocity` [m/s] of a at the contact, relative to its partner.
+/// Ends a contact outside its stage: records it if requested, and clears its history. number(k):
+/// references to its values; `velocity` [m/s] of a at the contact, relative to its partner.
 template <class ContactsType, class Number, class Times>
 void end_watched(const Number& number, const Vec3d& velocity, const Times& times, NotedContact note,
                  NotesOf<ContactsType>& notes) {
@@ -165,9 +165,9 @@ void end_watched(const Number& number, const Vec3d& velocity, const Times& times
   }
 }
 
-/// Watches packs of contacts. The work of a force is its mean over the step times the displacement,
-/// as in the energy ledger. Contacts that have lasted for some time are looked at in some steps
-/// alone (StepTimes), for all the steps between; their end is not missed.
+/// Tracks packs of contacts. The work of a force is its mean over the step times the displacement,
+/// as in the energy ledger. Contacts older than a given age are evaluated only in some steps
+/// (StepTimes), for all the steps between; their end is detected in any step.
 template <class ContactsType, class Real>
 class ContactWatch {
   using Scalar = ScalarOf<Real>;
@@ -175,8 +175,7 @@ class ContactWatch {
   static constexpr std::size_t W = sizeof(Real) / sizeof(Scalar);
 
  public:
-  /// Whether a pack of contacts has anything to be watched in this step; `begin`: the first number
-  /// of each.
+  /// Whether a pack of contacts must be tracked in this step; `begin`: the first value of each.
   template <class Touching, class Times>
   static SILT_INLINE bool is_due(const Touching& touching, const Scalar* begin,
                                  const Times& times) {
@@ -186,10 +185,10 @@ class ContactWatch {
            (times.look_at_rest && any(known));
   }
 
-  /// Contacts k and the following ones, after the law: `load`, which is 0 where it does not act,
-  /// and what else turns (`couple` [N m], against the angular velocity `turning` [rad/s]). `kept`:
-  /// one pointer a number, at this pack. `gradient` [-]: the kinematics have it as a factor, the
-  /// load does not (SolidContact).
+  /// Contacts k and following, after the law. `load`: 0 where the law does not act; `couple` [N m]:
+  /// the other moments, with `turning` [rad/s] as angular velocity; `kept`: one pointer per value,
+  /// at this pack; `gradient` [-]: the kinematics include this factor, the load does not
+  /// (SolidContact).
   template <bool HasGradient = false, class Touching, class Times>
   static SILT_INLINE void step(const Kinematics<Real>& kin, const Touching& touching,
                                const PairLoad<Real>& load, const Vec3<Real>& couple,
@@ -218,10 +217,10 @@ class ContactWatch {
       power += dot(moment, turn), power_before += dot(moment_before, turn);
       keep(kept + N::couple, select(passed_over, moment_before, moment));
     }
-    // Of contacts at rest the present force stands for all the steps since it was looked at.
+    // For long-lasting contacts the present force represents all steps since it was last evaluated.
     const double of_rest = times.look_at_rest ? 2 * Times::look_at_rest_every : 0;
     power = select(at_rest, Real(static_cast<Scalar>(of_rest)) * power, power + power_before);
-    power = select(power == power, power, zero);  // else the partner has left
+    power = select(power == power, power, zero);  // NaN: the partner has left
     const Real half(static_cast<Scalar>(0.5 * times.worked));
     silt::store(kept[N::work], silt::load<Real>(kept[N::work]) + half * power);
     const Real size = dot(force, force), last = silt::load<Real>(kept[N::largest]);
@@ -292,21 +291,21 @@ class ContactWatch {
   }
 };
 
-/// The events of a step, in the order of time, then of ids.
+/// The events of a step, ordered by time, then by ids.
 class ContactLog {
  public:
-  bool wanted = false;  // somebody asks
+  bool wanted = false;  // an observer asks for events
   const std::vector<ContactEvent>& begun() const { return begun_; }
   const std::vector<ContactEvent>& ended() const { return ended_; }
 
   void clear() { begun_.clear(), ended_.clear(); }
-  /// `id_of` a row. A particle that has left has none, and its contacts go unsaid.
+  /// `id_of`: id of a row. Contacts of a particle that has left, which has no id, are not reported.
   template <class IdOf>
   void take(const ContactNotes& notes, const IdOf& id_of) {
     take(notes, id_of, [](std::uint32_t) { return true; });
   }
-  /// Those of which the partner with the lower id is in a row that `tells`: of two ranks that have
-  /// a contact one.
+  /// Only contacts for which the row of the partner with the lower id `tells`: of two ranks that
+  /// have a contact, one reports it.
   template <class IdOf, class Tells>
   void take(const ContactNotes& notes, const IdOf& id_of, const Tells& tells) {
     for (const NotedContact& one : notes.noted()) {

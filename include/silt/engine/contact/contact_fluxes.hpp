@@ -20,17 +20,19 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What a step wants of fluxes: none but those that are held, new ones, and how fast these change.
+/// Evaluation of fluxes in a step: hold the last ones, evaluate new ones, or also their rates of
+/// change.
 enum class FluxLook { Hold, Ask, Measure };
 
-/// Nothing flows between particles in contact.
+/// No module exchanges a flux through contacts.
 struct NoFluxes {
   static constexpr bool active = false, takes_loss = false, wears = false, needs_growth = false;
 };
 
-/// The fluxes of modules between particles in contact, asked for block by block once the contacts'
-/// loads are known, and summed in double for each row. Rows of one group of pairs, or one block of
-/// walls, are touched by one thread at a time, in an order that depends on nothing but the lists.
+/// The fluxes of modules between particles in contact, evaluated block by block once the contact
+/// loads are known, and summed in double for each row. The rows of one group of pairs, or one block
+/// of wall contacts, are accessed by one thread at a time, in an order that depends only on the
+/// lists.
 template <class List, class Arch, class Scalar>
 class ContactFluxes;
 
@@ -46,22 +48,22 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   static constexpr bool needs_growth = (NeedsGrowth<Ms> || ...);
   static constexpr std::size_t wearing = ModuleList<Ms...>::wearing;
 
-  /// Before a run: what belongs to each pair of materials.
+  /// Before a run: sets the coefficients of each pair of materials.
   template <class Contacts>
   void set_coefficients(const std::tuple<Ms...>& modules, const Contacts& contacts) {
     const std::size_t n = contacts.materials();
     const std::size_t of_particles = Contacts::several_materials ? n : 1;
     (make_table<Ms>(modules, contacts, of_particles, n), ...);
   }
-  /// What a step is that begins: `ask`: fluxes are asked for, else the last ones are held;
-  /// `measure`: how fast the fields follow is wanted too.
+  /// The coming step. `ask`: fluxes are evaluated, else the last ones are held; `measure`: the
+  /// response rates of the fields are evaluated too.
   struct When {
     double time;  // [s]
     std::size_t walls;
     bool ask, measure;
   };
-  /// Before the contacts of a step: takes up what the rows have. `owner_of` a row; `seen`: an
-  /// owner.
+  /// Before the contacts of a step: collects the input of each row. `owner_of`: the particle of a
+  /// row; `seen`: the state of a particle.
   template <class Columns, class OwnerOf, class SeenOf>
   void prepare(const std::tuple<Ms...>& modules, const Columns& columns, std::size_t rows,
                const When& when, const OwnerOf& owner_of, const SeenOf& seen, const Team& team) {
@@ -69,25 +71,25 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     ask_ = when.ask || takes_loss || std::exchange(renew_, false);
     if (ask_) (prepare_one<Ms>(columns, rows, when, owner_of, seen, team), ...);
   }
-  /// On many ranks prepare() is for the own rows. When ghosts have what they have on their own
-  /// ranks: the same for these, the rows from `first` on.
+  /// With several ranks prepare() covers the owned rows. This does the same for ghosts, the rows
+  /// from `first` on, once their state has arrived.
   template <class Columns, class OwnerOf, class SeenOf>
   void prepare_ghosts(const Columns& columns, std::size_t first, std::size_t rows,
                       const OwnerOf& owner_of, const SeenOf& seen, const Team& team) {
     if (ask_) (prepare_one_of_ghosts<Ms>(columns, first, rows, owner_of, seen, team), ...);
   }
-  /// After them: each owner's sum over its rows. `all`: the sum over ranks of a number; of one
-  /// process none.
+  /// After the contacts: each particle's sum over its rows. `all`: sums a number over the ranks;
+  /// null for one process.
   template <class Columns, class OwnerOf, class All>
   void collect(Columns& columns, std::size_t rows, const OwnerOf& owner_of, const All& all) {
     if (ask_) (collect_one<Ms>(columns, rows, owner_of, all), ...);
   }
-  /// Calls visit(number among those that wear, [m3]) for each module that wears walls.
+  /// Calls visit(index among the wear modules, [m3]) for each module that wears walls.
   template <class Visit>
   void worn_by(const WallRub& rub, std::size_t wall, const Visit& visit) const {
     (visit_wear<Ms>(rub, wall, visit), ...);
   }
-  /// The next step asks for fluxes, as a particle was taken away.
+  /// Requests an evaluation in the next step, because a particle was removed.
   void renew() { renew_ = true; }
   bool is_to_renew() const { return renew_; }
   /// Books a step of `dt` [s].
@@ -95,7 +97,7 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     for (Rows& all : rows_)
       for (WallGiven& wall : all.from_walls) wall.sum += wall.rate * dt;
   }
-  /// What walls have given to the particles of a module; to be kept in checkpoints.
+  /// What walls have given to the particles of a module; saved in checkpoints.
   template <class M>
   const std::vector<WallGiven>& from_walls() const {
     return rows_[index_of<M>].from_walls;
@@ -108,7 +110,7 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     }
     return books;
   }
-  /// False if the numbers are not those of such books.
+  /// Returns false if the numbers do not fit such books.
   bool take_wall_books(const std::vector<double>& books, std::size_t walls) {
     std::size_t k = 0;
     for (Rows& all : rows_) {
@@ -121,25 +123,25 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     }
     return k == books.size();
   }
-  /// Of an owner, in a step that measured: the sum of a module's fluxes from 1 to 0.
+  /// For a particle, in a step that measured: the sum of a module's fluxes for a field difference
+  /// of 1 (partners 1, particle 0).
   template <class M>
   double slope_of(std::size_t owner) const {
     const auto& slopes = rows_[index_of<M>].owned_slope;
     return owner < slopes.size() ? slopes[owner] : 0;
   }
   bool measured() const { return measure_; }
-  /// Whether this step asked for fluxes, so that what particles received is new.
+  /// Whether fluxes were evaluated in this step, so that the received sums are new.
   bool asked() const { return ask_; }
-  /// Steps from one call to the next, as modules have it.
+  /// Interval [steps] between evaluations, as set by the modules.
   static std::size_t most_steps(const std::tuple<Ms...>& modules) {
     std::size_t least = takes_loss ? 1 : std::numeric_limits<std::size_t>::max();
     ((least = std::min(least, steps_of<Ms>(modules))), ...);
     return std::max<std::size_t>(least, 1);
   }
 
-  /// The fluxes of the first `count` contacts of a block, whose loads are known. `ends`, `kinds`:
-  /// of the ContactStage; `losses` [W] of the contacts, if a module takes them; `growth`: of
-  /// Touching, likewise.
+  /// The fluxes of the first `count` contacts of a block whose loads are known. `ends`, `kinds`:
+  /// see ContactStage; `losses` [W] of the contacts and `growth` (Touching), if a module uses them.
   template <class ContactsType, class Block, class Ends>
   void add(const Block& block, std::size_t count, const CoefficientTable<ContactsType>& table,
            const std::uint16_t* kinds, [[maybe_unused]] const Scalar* losses, const Scalar* growth,
@@ -166,16 +168,16 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   struct Table {
     std::vector<Coefficients<M>> of_pair{Coefficients<M>{}};
   };
-  /// Beside each other, as contacts need both at random places.
+  /// Stored side by side, because contacts access both at scattered rows.
   struct Row {
     double value, sum;
   };
   struct Rows {
     AlignedVector<Row> row;
     AlignedVector<double> slope, owned_slope;
-    std::vector<std::optional<double>> of_wall, given;  // at each wall; given: in all
-    std::vector<AlignedVector<double>> of_rows;  // of each wall: what rows get; of one that gives
-                                                 // so much in all: their shares in it
+    std::vector<std::optional<double>> of_wall, given;  // per wall; given: the total
+    std::vector<AlignedVector<double>> of_rows;  // per wall: flux into each row, or its share of a
+                                                 // prescribed total of the wall
     std::vector<WallGiven> from_walls;
   };
   template <class M>
@@ -229,7 +231,7 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
       if constexpr (flows_at_walls<M>) prepare_walls<M>(rows, when);
     }
   }
-  /// Of the rows from `first` on, behind those that are there.
+  /// Adds the rows from `first` on.
   template <class M, class Columns, class OwnerOf, class SeenOf>
   void set_values(const Columns& columns, std::size_t first, std::size_t rows,
                   const OwnerOf& owner_of, const SeenOf& seen, const Team& team) {
@@ -284,7 +286,7 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
         [[maybe_unused]] const double own = rate;
         rate = *all.given[w];
         for (std::size_t r = 0; r < rows; ++r) all.row[r].sum += rate * (all.of_rows[w][r] / whole);
-        if constexpr (!std::is_null_pointer_v<All>) rate *= own / whole;  // of this rank's
+        if constexpr (!std::is_null_pointer_v<All>) rate *= own / whole;  // this rank's part
       }
       for (std::size_t r = 0; r < rows; ++r) received[owner_of(r)] += all.row[r].sum;
       if (!SaysItsFluxRate<M> || !measure_) return;
@@ -356,7 +358,7 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     const Real answer = flux_of<M, Real>(module<M>(), c, p, a, b);
     store(flux, select(c.overlap > Real(0), answer, Real(0)));
   }
-  /// Contacts lose what they do to the last in the step after they end.
+  /// The last increment of a contact's loss is booked in the step after its end.
   template <class M, class Ends>
   void add_loss(std::size_t count, const std::uint16_t* kinds, const Scalar* losses,
                 const Ends& ends) {
@@ -379,7 +381,7 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   Rows rows_[sizeof...(Ms) > 0 ? sizeof...(Ms) : 1];
 };
 
-/// Those of a composition.
+/// The fluxes of a composition.
 template <class Modules, class Arch, class Scalar>
 using FluxesOf = std::conditional_t<Modules::flux || Modules::wear,
                                     ContactFluxes<Modules, Arch, Scalar>, NoFluxes>;

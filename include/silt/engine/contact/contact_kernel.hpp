@@ -14,7 +14,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Law and rolling model of one Contacts type on packs of lanes; knows no particles.
+/// The law and rolling model of one Contacts type on packs of lanes; independent of particle
+/// storage.
 template <class ContactsType, class Real>
 struct ContactKernel {
   using Law = typename ContactsType::Law;
@@ -39,7 +40,7 @@ struct ContactKernel {
     c.R_eff = k.R_eff, c.m_eff = k.m_eff, c.inverse_m_eff = k.inverse_m_eff;
     c.time_step = time_step, c.lag = Real(2) * lag * time_step;
     c.slip_mobility = Real(static_cast<ScalarOf<Real>>(Inertia::slip_mobility()));
-    const Vec3<Real> middle = k.normal - lag * k.change;  // when velocities were these
+    const Vec3<Real> middle = k.normal - lag * k.change;  // at the time of the velocities
     c.normal_velocity = dot(k.velocity, middle);
     if constexpr (ContactsType::rotates) {
       Vec3<Real> slip = k.velocity - c.normal_velocity * middle - k.arm * cross(k.spin, middle);
@@ -57,7 +58,7 @@ struct ContactKernel {
     else
       return k.overlap > Real(0);
   }
-  /// What presses the bodies together, for rolling resistance [N].
+  /// The force pressing the bodies together, used by rolling resistance [N].
   static SILT_INLINE Real pressing(const Contact<Real>& c, const LawCoefficients& law,
                                    const Real& normal) {
     if constexpr (requires { Law::pressing(c, law, normal); })
@@ -66,9 +67,9 @@ struct ContactKernel {
       return max(normal, Real(0));
   }
 
-  /// `history`: one pointer a component, at this pack; lanes out of contact are set to zero.
-  /// `ask`: whether the ledger wants to know what contacts store. `share` [-] of its force that the
-  /// contact gives (SharedContacts).
+  /// `history`: one pointer per component, at this pack; lanes out of contact are set to zero.
+  /// `ask`: whether the ledger needs the stored energy. `share` [-] of its force that the contact
+  /// applies (SharedContacts).
   static SILT_INLINE PairLoad<Real> load(const Kinematics<Real>& k,
                                          const RollingKinematics<Real>& r, const Radii<Real>& radii,
                                          const Real& time_step, const Real& lag,
@@ -123,7 +124,8 @@ struct ContactKernel {
   }
 
  private:
-  /// Adds the rolling model's couples. `history`: its own, and what the ledger keeps of them.
+  /// Adds the couples of the rolling model. `history`: its own, followed by the values of the
+  /// ledger.
   template <class M>
   static SILT_INLINE void roll(const Kinematics<Real>& k, const RollingKinematics<Real>& r,
                                const Contact<Real>& c, [[maybe_unused]] const Radii<Real>& radii,
@@ -150,7 +152,8 @@ struct ContactKernel {
                                   unloading(c, law),
                                   shrinking(c)};
     if constexpr (of_own_rotation<Rolling>) {
-      // Couples that are not opposite, as what is (couple) and what turns both alike (twirl).
+      // Couples that are not opposite, split into an opposite part (couple) and an equal part
+      // (twirl).
       const Real per_arm = Real(1) / (radii.i + radii.j);
       const OwnRotations<Real> own{per_arm * (k.spin + radii.j * r.angular_velocity),
                                    per_arm * (k.spin - radii.i * r.angular_velocity), radii.i,
@@ -159,7 +162,7 @@ struct ContactKernel {
       const Vec3<Real> twirl = select(touching, per_arm * (t.on_i + t.on_j), none);
       out.twirl += twirl;
       out.couple = select(touching, per_arm * (radii.j * t.on_i - radii.i * t.on_j), none);
-      if constexpr (keeps_ledger<ContactsType>)  // to first order in the step
+      if constexpr (keeps_ledger<ContactsType>)  // first order in the step
         tally.lanes.couple +=
             known(Real(2) * (dot(out.couple, r.angular_velocity) + dot(twirl, k.spin)));
     } else {
@@ -181,14 +184,14 @@ struct ContactKernel {
       }
     }
   }
-  /// Books what the forces of a pack of contacts did since the last step. The work of a force is
-  /// its mean over the step times the displacement, velocity of the half step times step: the sum
-  /// of all works is then what the leapfrog's kinetic energy gains. Summed up here is twice the
-  /// mean times the velocity. The last forces come in before the law is asked, the present ones
-  /// after it: fewer registers at a time.
+  /// Books the work of the forces of a pack of contacts since the last step. The work of a force is
+  /// its mean over the step times the displacement, which is the half-step velocity times the step.
+  /// The sum of all works then equals the change of the leapfrog's kinetic energy. Summed up here
+  /// is twice the mean force times the velocity. The last forces are added before the law is
+  /// evaluated and the present ones after it, which needs fewer registers.
   struct Books {
-    ScalarOf<Real>* const* kept;  // of the last step: one pointer a component, at this pack
-    Real velocity;                // [m/s] along the normal; none if the partner has left
+    ScalarOf<Real>* const* kept;  // of the last step: one pointer per component, at this pack
+    Real velocity;                // [m/s] along the normal; NaN if the partner has left
     Vec3<Real> slip;              // [m/s]
 
     Books() = default;
@@ -223,7 +226,8 @@ struct ContactKernel {
         energy.stiffening += select(touching, stored.stiffening, zero);
         if (ask) {
           energy.tangential += select(touching, stored.tangential, zero);
-          // What is no spring's is c u, u the spring's own velocity: c u^2.
+          // The non-elastic part is c u, with u the velocity of the spring itself; its power is c
+          // u^2.
           const Vec3<Real> damping = tangential - stored.spring;
           const Real taken = dot(damping, damping) / max(stored.damping, smallest<Real>());
           energy.shear_damping +=
@@ -234,8 +238,8 @@ struct ContactKernel {
       }
     }
   };
-  /// The energy of the spring that a safeguard has put an end to in this step, as the books sum
-  /// [W]: that of the last step, less the half of its work that the mean force leaves out.
+  /// The energy of a spring that a safeguard has released in this step, in the units of the sums
+  /// [W]: that of the last step, less the half of its work that the mean force omits.
   template <class H, class M>
   static SILT_INLINE Real ended_by_safeguard(const Contact<Real>& c, const LawCoefficients& law,
                                              const H& before, const H& now, const M& touching) {
@@ -244,7 +248,7 @@ struct ContactKernel {
     const Real ended = Real(2) * spring.normal / c.time_step + spring.force * c.normal_velocity;
     return select(touching, select(Law::safeguarded(before, now), ended, zero), zero);
   }
-  /// The law's stiffness over that one step ago, if the contact is unloading [-].
+  /// The law's stiffness relative to that one step ago, if the contact is unloading [-].
   static SILT_INLINE Real unloading(const Contact<Real>& c, const LawCoefficients& law) {
     if constexpr (requires { Law::unloading(c, law); }) {
       return Law::unloading(c, law);
@@ -262,13 +266,13 @@ struct ContactKernel {
     else
       return share * answer;
   }
-  /// The sum of a force and that of the last step; keeps it for the next.
+  /// The sum of a force and that of the last step; stores it for the next step.
   static SILT_INLINE Vec3<Real> with_kept(const Vec3<Real>& force, ScalarOf<Real>* const* kept) {
     const Vec3<Real> last = silt::load3<Real>(kept[0], kept[1], kept[2]);
     silt::store(kept[0], force.x), silt::store(kept[1], force.y), silt::store(kept[2], force.z);
     return last + force;
   }
-  /// Nothing instead of what is not a number: the partner has left.
+  /// Replaces NaN by zero: the partner has left.
   static SILT_INLINE Real known(const Real& work) { return select(work == work, work, Real(0)); }
 
   template <std::size_t N, class H>

@@ -11,23 +11,23 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Some of the numbers that a contact remembers from step to step: whose they are.
+/// A slice of the history values of a contact, and its owner.
 struct MemorySlice {
   const char* name = "";
   std::size_t from = 0, count = 0;
 };
 
-/// What contacts of a Contacts type remember, slice by slice, in the order in which it stands:
+/// The history values of a Contacts type, slice by slice, in storage order:
 ///   law, rolling, ledger   of law, rolling model and energy ledger
-///   normal                 what the narrow phase of convex parts knows of the last step
-///   law at point 2, ...    of further points of a contact that has an area
-///   area                   where these points lie
+///   normal                 data of the narrow phase of convex parts from the last step
+///   law at point 2, ...    of further points of a contact with an area
+///   area                   positions of these points
 ///   radius                 R_eff of convex parts; minus their gap while they are apart
-///   offset                 overlap that is left out, as the pair was bonded (WithOffset)
-///   impact                 of breakage by force: the largest one (WithImpacts)
-///   events                 what on_contact_end() tells
-/// All of it is 0 from the step on in which nothing touches; "radius" alone is not then, nor is
-/// "offset" until the partners have parted.
+///   offset                 excluded overlap, for pairs that were bonded (WithOffset)
+///   impact                 for breakage by force: the largest force (WithImpacts)
+///   events                 values for on_contact_end()
+/// All are 0 from the step on in which the contact ends, except "radius", and "offset", which is
+/// kept until the partners have separated.
 template <class ContactsType>
 class ContactMemory {
  public:
@@ -54,7 +54,7 @@ class ContactMemory {
       add("events", ContactsType::events_from, ContactsType::event_numbers);
   }
   constexpr std::span<const MemorySlice> slices() const { return {slices_.data(), count_}; }
-  /// Whether the slices follow each other and leave nothing out.
+  /// Whether the slices are contiguous and complete.
   constexpr bool is_whole() const {
     std::size_t next = 0;
     for (const MemorySlice& s : slices()) {
@@ -64,7 +64,7 @@ class ContactMemory {
     return next == size;
   }
 
-  /// Number h by the name of its slice: "law[0]".
+  /// The name of component h with its slice: "law[0]".
   std::string name_of(std::size_t h) const {
     for (const MemorySlice& s : slices())
       if (h < s.from + s.count) return text(s.name, '[', h - s.from, ']');

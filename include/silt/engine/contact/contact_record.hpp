@@ -14,25 +14,25 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What is kept of the contacts of a step: nothing; how they lie and what their forces are; or also
-/// the parts of these and what the law remembers, which take half of the memory and time.
+/// What is recorded of the contacts of a step: nothing; geometry and forces; or also the parts of
+/// the forces and the history of the law, which take half of the memory and time.
 enum class ContactsKept { Nothing, Forces, All };
 
-/// A contact as the contact stage found it in a step that is recorded: rows instead of ids, after
-/// the law. Without initial values, so that room for a block costs nothing.
+/// A contact as the contact stage found it in a recorded step, after the law, with rows instead of
+/// ids. Members have no initial values, so that reserving room for a block costs nothing.
 struct RecordedForce {
-  Vec3d normal;                 // [-] from the partner to the first
+  Vec3d normal;                 // [-] from the partner to the first particle
   Vec3d force;                  // [N] on the first
   double overlap;               // [m]
-  std::uint32_t first, second;  // rows; at a wall which image of it
+  std::uint32_t first, second;  // rows; at a wall, second is the image
   std::uint32_t order;          // place in the list of pairs, or slot at walls
   std::uint16_t wall, surface;
 
-  // An image is three numbers of ten bits: those of farther ones are not kept.
+  // An image is packed as three numbers of ten bits; images farther away are not recorded.
   static constexpr std::uint32_t wall_bit = 1u << 31, far_image = wall_bit;
   static constexpr std::int64_t most = 511;  // [-] lengths of the box
   bool at_wall() const { return second & wall_bit; }
-  /// What stands in `second` at an image of a wall.
+  /// The value of `second` for an image of a wall.
   static std::uint32_t at_image(WallImage image) {
     std::uint32_t code = 0;
     for (const std::int64_t n : lengths_of(image)) {
@@ -49,22 +49,24 @@ struct RecordedForce {
 };
 struct RecordedParts {
   Vec3d spring;     // [N] of the tangential spring on the first
-  double cohesion;  // [N] attraction, as a part of the normal force
+  double cohesion;  // [N] attractive part of the normal force
 };
 struct RecordedContact : RecordedForce, RecordedParts {};
-/// What more is known where forces come with couples, or have arms of their own (convex parts).
+/// Further data of contacts whose forces come with couples or act at explicit lever arms (convex
+/// parts).
 struct RecordedTurn {
   Vec3d arm{0, 0, 0};                          // [m] from the centre of the first row
-  Vec3d couple_i{0, 0, 0}, couple_j{0, 0, 0};  // [N m] besides the moment of the force
+  Vec3d couple_i{0, 0, 0}, couple_j{0, 0, 0};  // [N m] in addition to the moment of the force
 };
 
-/// The contacts of the last recorded step. Stages hand in what they found, block by block and from
-/// several threads; who reads puts it in order.
+/// The contacts of the last recorded step. Stages add theirs block by block from several threads;
+/// the reader sorts them.
 class ContactRecord {
  public:
   static constexpr std::int64_t none = -1;
 
-  /// Before the contacts of a step; where the stages find the record, null: nobody asks.
+  /// Called before the contacts of a step. Returns the record for the stages, or null if none was
+  /// requested.
   ContactRecord* begin(ContactsKept kept, std::int64_t step) {
     if (step_ != none) contacts.clear(), parts.clear(), turns.clear(), numbers.clear();
     const bool wanted = kept != ContactsKept::Nothing;
@@ -73,11 +75,11 @@ class ContactRecord {
   }
   void forget() { step_ = none; }
   bool is_of(std::int64_t step) const { return step_ == step; }
-  /// With parts and history.
+  /// Includes force parts and history.
   bool is_whole() const { return whole_; }
 
-  /// `its`, `more`: parts and a turn for each of `found`, or nothing; `history`: the same count of
-  /// numbers each.
+  /// `its`, `more`: force parts and couples for each of `found`, or empty; `history`: the same
+  /// number of values for each.
   void add(std::span<const RecordedForce> found, std::span<const RecordedParts> its,
            std::span<const RecordedTurn> more, std::span<const double> history) {
     const std::lock_guard lock(*mutex_);
@@ -88,14 +90,14 @@ class ContactRecord {
   }
 
   std::vector<RecordedForce> contacts;
-  std::vector<RecordedParts> parts;  // of each, or empty
-  std::vector<RecordedTurn> turns;   // of each, or empty
-  std::vector<double> numbers;       // what law and rolling model remember of each
+  std::vector<RecordedParts> parts;  // per contact, or empty
+  std::vector<RecordedTurn> turns;   // per contact, or empty
+  std::vector<double> numbers;       // history of law and rolling model of each contact
 
  private:
   std::int64_t step_ = none;
   bool whole_ = false;
-  std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();  // so that it can move
+  std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();  // makes it movable
 };
 
 }  // namespace silt::detail

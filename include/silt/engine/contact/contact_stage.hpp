@@ -15,8 +15,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The packs of a block that have something to be watched (ContactWatch): what of their kinematics
-/// the loads take the places of is set aside before the law, so that its loop is the same for all.
+/// The packs of a block that must be tracked (ContactWatch). The kinematics that the loads
+/// overwrite are saved before the law, so that the loop of the law is the same for all packs.
 template <class ContactsType, class Real, class Block>
 class WatchedPacks {
   using Kernel = ContactKernel<ContactsType, Real>;
@@ -39,7 +39,7 @@ class WatchedPacks {
       before_.put(k, kinematics), before_.put(k, block.template get_rolling<Real>(k));
     }
   }
-  /// After the law.
+  /// Called after the law.
   template <std::size_t H>
   void watch(const Block& block, const StepTimes& times,
              ContactCoefficients<ContactsType, Real> coefficients, const std::uint16_t* kinds,
@@ -67,8 +67,8 @@ class WatchedPacks {
   Block before_;
 };
 
-/// Adds to a recorded contact the parts of its force that the law can tell: its tangential spring
-/// and its cohesion, of `share` [-] of it. `c` has overlap, radii and masses, but no velocities.
+/// Adds to a recorded contact the parts of its force that the law provides: tangential spring and
+/// cohesion, times `share` [-]. `c` has overlap, radii and masses, but no velocities.
 template <class ContactsType, class Scalar>
 void tell_parts(const Contact<double>& c, const typename ContactsType::LawCoefficients& p,
                 Scalar* const* history, double share, RecordedContact& to) {
@@ -80,7 +80,8 @@ void tell_parts(const Contact<double>& c, const typename ContactsType::LawCoeffi
     to.cohesion += share * Law::attraction(c, p, h);
 }
 
-/// What friction and damping take from each contact of a block in the last step [W]: nobody asks.
+/// Power dissipated by friction and damping in each contact of a block in the last step [W]; this
+/// variant for when it is not needed.
 template <class Real, std::size_t N, bool Asked>
 struct ContactLosses {
   template <class Energy>
@@ -89,7 +90,7 @@ struct ContactLosses {
   SILT_INLINE void end(std::size_t, const StepTimes&, Energy&) {}
   static const ScalarOf<Real>* data() { return nullptr; }
 };
-/// From the ledger: work on the bodies of all forces but normal springs. The elastic energy of
+/// From the ledger: work on the bodies of all forces except normal springs. The elastic energy of
 /// tangential springs counts as lost while they hold it.
 template <class Real, std::size_t N>
 struct ContactLosses<Real, N, true> {
@@ -106,16 +107,15 @@ struct ContactLosses<Real, N, true> {
   alignas(64) ScalarOf<Real> of_[N];
 };
 
-/// How fast the overlap of each contact of a block has grown over the last step [m/s], taken before
-/// loads take the places of velocities (Touching::growth): nobody asks.
+/// Rate of change of the overlap of each contact of a block over the last step [m/s], taken before
+/// loads overwrite the velocities (Touching::growth); this variant for when it is not needed.
 template <class Real, std::size_t N, bool Asked>
 struct ContactGrowth {
   template <class Block>
   SILT_INLINE void take(const Block&, std::size_t, const StepTimes&) {}
   static const ScalarOf<Real>* data() { return nullptr; }
 };
-/// Of one that began in the last step no more than what it has. At the first step nothing has
-/// grown.
+/// For a contact that began in the last step, limited to its overlap. In the first step it is 0.
 template <class Real, std::size_t N>
 struct ContactGrowth<Real, N, true> {
   template <class Block>
@@ -136,13 +136,12 @@ struct ContactGrowth<Real, N, true> {
   alignas(64) ScalarOf<Real> of_[N];
 };
 
-/// How contacts act that touch in a point: law and rolling model there.
+/// Evaluates contacts that act at one point: law and rolling model there.
 template <class Scalar>
 struct AtOnePoint {
-  const Scalar* shares = nullptr;  // [-] of each contact's force (SharedContacts); null: all of it
+  const Scalar* shares = nullptr;  // [-] of each contact's force (SharedContacts); null: 1
 
-  /// Loads of the first `count` contacts (whole packs) of a block; they take the places of the
-  /// kinematics.
+  /// Loads of the first `count` contacts (whole packs) of a block; they overwrite the kinematics.
   template <class ContactsType, class Arch, class Block, std::size_t H, class Losses>
   SILT_INLINE void loads(Block& block, std::size_t count, const StepTimes& times,
                          const CoefficientTable<ContactsType>& table, const std::uint16_t* kinds,
@@ -176,7 +175,7 @@ struct AtOnePoint {
     if constexpr (keeps_events<ContactsType>)
       packs.watch(block, times, coefficients, kinds, history, tally.sum.notes);
   }
-  /// See tell_parts(); of contact k.
+  /// See tell_parts(); for contact k.
   template <class ContactsType, std::size_t H>
   void tell(const Contact<double>& c, const typename ContactsType::LawCoefficients& p,
             const std::array<Scalar*, H>& history, std::size_t k, RecordedContact& to) const {
@@ -187,10 +186,10 @@ struct AtOnePoint {
   }
 };
 
-/// The contact stage, one for all geometries: spheres and convex parts, at each other and at walls,
-/// fill a block with kinematics, and here the contacts get their loads, the ledger its energies,
-/// events their begins and ends, modules their fluxes. What the loads then do to bodies and walls
-/// is the geometry's again, as it knows the arms.
+/// The contact stage, common to all geometries. Spheres and convex parts, in contact with each
+/// other or with walls, fill a block with kinematics; here the contacts get their loads, the ledger
+/// its energies, events their begins and ends, and modules their fluxes. The geometry then applies
+/// the loads to bodies and walls, because it knows the lever arms.
 template <class ContactsType, class Arch, class Scalar, class Fluxes>
 struct ContactStage {
   using Real = typename Lanes<Arch, Scalar>::Real;
@@ -200,11 +199,11 @@ struct ContactStage {
   const CoefficientTable<ContactsType>& table;
   Fluxes* fluxes;  // of modules, if there are any
 
-  /// The first `count` contacts of a block, whose last pack is filled up with what does not touch.
-  /// `kinds`: the place of each in the table of coefficients, or null if it is the first for all.
-  /// `history`: one pointer a component. `ends` knows whose they are: first(k) [row], and second(k)
-  /// [row] or wall(k) by its at_wall; where(k, note) completes a begin or end by its place.
-  /// `how`: AtOnePoint, or AtAreaPoints (convex/contact_area.hpp).
+  /// Processes the first `count` contacts of a block, whose last pack is padded with inert
+  /// contacts. `kinds`: index of each in the coefficient table, or null if it is the first for all.
+  /// `history`: one pointer per component. `ends` identifies the partners: first(k) [row], and
+  /// second(k) [row] or, with at_wall, wall(k); where(k, note) completes a begin or end by its
+  /// index. `how`: AtOnePoint, or AtAreaPoints (convex/contact_area.hpp).
   template <class Block, class Ends, class How, std::size_t H>
   SILT_INLINE void run(Block& block, std::size_t count, const std::uint16_t* kinds,
                        const std::array<Scalar*, H>& history, const Ends& ends, Tally& tally,
@@ -247,8 +246,8 @@ struct ContactStage {
   }
 
  private:
-  /// Lets the offsets of a block shrink: of contacts that store no more than 2 m* v^2 at the speed
-  /// v of parting, which then gives a pair of particles no more than that.
+  /// Lets the offsets of a block shrink. Contacts shrink theirs only while they store no more than
+  /// 2 m* v^2 with v the parting speed, so that a pair of particles gains at most that energy.
   template <class Block, std::size_t H>
   void part(const Block& block, std::size_t count, const std::uint16_t* kinds,
             const std::array<Scalar*, H>& history, detail::Tally<ContactsType>& sum) const {
@@ -270,21 +269,22 @@ struct ContactStage {
     if constexpr (SaysWhatItStores<Law>) {
       using Kernel = ContactKernel<ContactsType, double>;
       Kinematics<double> kin = in_double(block.template get<Scalar>(k));
-      kin.velocity = kin.spin = {0, 0, 0};  // loads stand there
+      kin.velocity = kin.spin = {0, 0, 0};  // overwritten by loads
       const auto radii = block.template get_radii<Scalar>(k);
       const auto h = history_of<Law>([&](std::size_t n) { return history[n][k]; });
       const auto c = Kernel::contact(
           kin, {static_cast<double>(radii.i), static_cast<double>(radii.j)}, times.step, times.lag);
       const auto stored = stored_by<Law, double>(c, table.law[kinds != nullptr ? kinds[k] : 0], h);
       if (stored.normal > 2 * kin.m_eff * times.parting * times.parting) return;
-      // Half for the last step, half for the next, as the leapfrog reckons the work of motion.
+      // Half for the last step, half for the next, as in the leapfrog's work.
       sum.parted += stored.force * static_cast<double>(less);
     }
-    // One that is used up leaves a contact that goes on: it does not begin then (ImpactWatch).
+    // A contact whose offset is used up continues as an ordinary contact; it does not count as new
+    // (ImpactWatch).
     offset = less < offset ? offset - less : Scalar(-1);
   }
 
-  /// Hands the contacts of a block, whose loads are known, to the record: those that touch, and
+  /// Passes the contacts of a block, whose loads are known, to the record: those that touch, and
   /// those with a force at a distance.
   template <class Block, class Ends, class How, std::size_t H>
   __attribute__((noinline, cold)) void record(const Block& block, std::size_t count,
@@ -314,7 +314,7 @@ struct ContactStage {
       } else {
         one.second = ends.second(k);
       }
-      kin.velocity = kin.spin = {0, 0, 0};  // loads stand there
+      kin.velocity = kin.spin = {0, 0, 0};  // overwritten by loads
       const auto radii = block.template get_radii<Scalar>(k);
       const Radii<double> both{static_cast<double>(radii.i), static_cast<double>(radii.j)};
       if (whole)
@@ -342,8 +342,8 @@ struct ContactStage {
     ends.finish(0, c, t);
   };
 
-  /// The couples of a rolling model: what is opposite on both, and what turns both alike beyond the
-  /// moment of the tangential force.
+  /// The couples of a rolling model: the part opposite on the two partners, and the part equal on
+  /// both in addition to the moment of the tangential force.
   template <class Load>
   static RecordedTurn couples_of(const Kinematics<double>& kin, const Radii<double>& radii,
                                  const Load& load, const RecordedContact& c) {

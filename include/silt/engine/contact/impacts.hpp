@@ -14,9 +14,9 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A Contacts type whose contacts tell what particles may break by. By speed at touch the offset
-/// (WithOffset) is -1 while they touch; by the largest force one number more is kept: that force
-/// [N], minus it once a peak has been told.
+/// A Contacts type whose contacts report the impacts that may break particles. For breakage by
+/// impact speed, the offset (WithOffset) is -1 during contact. For breakage by the largest force
+/// one more value is stored: that force [N], negated once its peak has been reported.
 template <class ContactsType, bool ByForce>
 struct WithImpacts : ContactsType {
   static constexpr bool impacts_by_force = false;
@@ -32,24 +32,24 @@ inline constexpr bool keeps_impacts = requires {
   ContactsType::impacts_by_force;
 };
 
-/// A contact that particles may break by.
+/// An impact that may break a particle.
 struct NotedImpact {
   static constexpr std::uint32_t no_row = std::numeric_limits<std::uint32_t>::max();
   std::uint32_t first, second = no_row;  // rows
-  std::uint32_t wall = no_row;           // if it is one
-  std::uint32_t kind;                    // place in the coefficient table
+  std::uint32_t wall = no_row;           // if the partner is a wall
+  std::uint32_t kind;                    // index in the coefficient table
   double speed;                          // [m/s] of approach
-  double force;                          // [N] by force; else 0
+  double force;                          // [N] for breakage by force; else 0
   double m_eff, R_eff;                   // [kg], [m]
-  Vec3d normal;                          // [-] to the first
-  bool is_peak;                          // by force: the largest one is over
+  Vec3d normal;                          // [-] towards the first
+  bool is_peak;                          // for breakage by force: the maximum has passed
 };
 
 struct NoImpacts {
   template <class Other>
   void add(const Other&) {}
 };
-/// Those of one stage, in the order of its lists.
+/// Impacts of one stage, in the order of its lists.
 struct ImpactNotes {
   std::vector<NotedImpact> all;
   void add(const ImpactNotes& more) { all.insert(all.end(), more.all.begin(), more.all.end()); }
@@ -64,8 +64,8 @@ class ImpactWatch {
   static constexpr std::size_t W = sizeof(Real) / sizeof(Scalar);
 
  public:
-  /// By speed, before loads take the places of velocities: contacts that begin. `kept`: offsets,
-  /// those of contacts that ended are 0 again (without_offset()).
+  /// By impact speed, before loads overwrite the velocities: contacts that begin. `kept`: offsets,
+  /// those of ended contacts already reset to 0 (without_offset()).
   template <class Ends>
   static SILT_INLINE void look(const Block& block, std::size_t count, const std::uint16_t* kinds,
                                Scalar* kept, const Ends& ends, ImpactNotes& notes) {
@@ -82,7 +82,7 @@ class ImpactWatch {
     }
   }
   /// By force, after the law: contacts whose force is the largest so far and above `floor` [N], and
-  /// those whose force has fallen to half its largest.
+  /// those whose force has fallen to half of it.
   template <class Ends>
   static SILT_INLINE void weigh(const Block& block, std::size_t count, const std::uint16_t* kinds,
                                 Scalar* kept, double floor, const Ends& ends, ImpactNotes& notes) {

@@ -8,13 +8,13 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What is known of a contact before the law is asked; pairs and walls both end up here.
+/// Kinematics of a contact, the input of the law; the same for pairs and walls.
 template <class Real>
 struct Kinematics {
   Vec3<Real> normal;    // [-] from partner to i
-  Vec3<Real> change;    // [-] of the normal in the last step
+  Vec3<Real> change;    // [-] of the normal during the last step
   Real overlap;         // [m]
-  Real arm;             // [-] lever arm over radius, same for both partners
+  Real arm;             // [-] lever arm over radius, the same for both partners
   Real R_eff;           // [m]
   Real m_eff;           // [kg]
   Real inverse_m_eff;   // [1/kg]
@@ -23,14 +23,14 @@ struct Kinematics {
   Real twist;           // [rad/s] mean angular velocity of the contact about its normal
 };
 
-/// What more a rolling model needs.
+/// Further input of a rolling model.
 template <class Real>
 struct RollingKinematics {
   Vec3<Real> angular_velocity;  // [rad/s] w_i - w_j
   Real inertia_eff;             // [kg m2]
 };
 
-/// Radii [m] of the partners; of a wall 0.
+/// Radii [m] of the partners; 0 for a wall.
 template <class Real>
 struct Radii {
   Real i, j;
@@ -39,7 +39,7 @@ template <class ContactsType>
 inline constexpr bool needs_radii =
     law_needs_radii<typename ContactsType::Law> || of_own_rotation<typename ContactsType::Rolling>;
 
-/// Force on i, torque over radius (the same sign on both partners), couple on i (opposite on j).
+/// Force on i, torque over radius (same sign on both partners), couple on i (opposite on j).
 template <class Real>
 struct PairLoad {
   Vec3<Real> force;   // [N]
@@ -47,7 +47,7 @@ struct PairLoad {
   Vec3<Real> couple;  // [N m]
 };
 
-/// The kinematics of N contacts, component by component: filled one by one or pack by pack, read in
+/// The kinematics of N contacts, component by component; written one by one or in packs, read in
 /// packs.
 template <class ContactsType, std::size_t N, class Scalar>
 struct alignas(64) KinematicsBlock {
@@ -99,7 +99,7 @@ struct alignas(64) KinematicsBlock {
     }
     return out;
   }
-  /// What the pair pipeline knows before square roots and divisions.
+  /// Data of a pair in the pair pipeline before square roots and divisions.
   template <class Real>
   SILT_INLINE void put_gathered(std::size_t k, const Kinematics<Real>& in) {
     put(k, in.normal, normal), put(k, in.velocity, velocity);
@@ -118,7 +118,7 @@ struct alignas(64) KinematicsBlock {
     if constexpr (Rotates) out.spin = get3<Real>(k, spin);
     return out;
   }
-  /// What is new or different then.
+  /// Members added or replaced after them.
   template <class Real>
   SILT_INLINE void put_completed(std::size_t k, const Kinematics<Real>& in) {
     put(k, in.normal, normal), put(k, in.change, change);
@@ -126,7 +126,7 @@ struct alignas(64) KinematicsBlock {
     silt::store(m_eff + k, in.m_eff);
     if constexpr (Rotates) silt::store(arm + k, in.arm), silt::store(twist + k, in.twist);
   }
-  /// Loads take the places of what made them.
+  /// Loads overwrite the kinematics from which they were computed.
   template <class Real>
   SILT_INLINE void put_load(std::size_t k, const PairLoad<Real>& in) {
     put(k, in.force, velocity);

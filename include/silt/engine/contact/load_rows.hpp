@@ -8,8 +8,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Chunks of four scalars in the row of one contact: force; with rotation torque over radius; with
-/// rolling resistance the couple.
+/// Number of chunks of four scalars in the load row of a contact: force; with rotation, torque over
+/// radius; with rolling resistance, the couple.
 template <class ContactsType>
 inline constexpr std::size_t load_chunks = 1 + ContactsType::rotates + ContactsType::has_rolling;
 
@@ -43,8 +43,8 @@ SILT_INLINE void write_rows(const Block& block, std::size_t count, Scalar* rows)
     write_rows<chunks, Arch, Real>(rows + k * 4 * chunks, block.template get_load<Real>(k));
 }
 
-/// sum += row for the first partner of a contact, or what acts on the second: force and couple with
-/// the opposite sign, the twirl (chunk 1) with the same.
+/// sum += row for the first partner of a contact; for the second, force and couple have the
+/// opposite sign and the twirl (chunk 1) the same.
 template <class Arch, std::size_t Chunks, bool Second, class Scalar>
 SILT_INLINE void add_row(Scalar* sum, const Scalar* row) {
   if constexpr (Chunks == 2 && has_row8<Arch, Scalar> && sizeof(Scalar) == 4) {

@@ -8,11 +8,12 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A Contacts type some of whose contacts begin with an overlap, as a bond has broken, or a
-/// particle into fragments: it is left out of the contact. The offset never grows: each step it is
-/// at most the overlap, so that the contact is a usual one once the partners have parted, and gives
-/// no energy that they did not put in. Of fragments it shrinks at StepTimes::parting: what that
-/// gives is Tally::parted.
+/// A Contacts type with contacts that begin with an overlap, because a bond has broken or a
+/// particle has broken into fragments. This overlap, the offset, is excluded from the contact. The
+/// offset never grows: it is limited to the overlap in each step, so that the contact is an
+/// ordinary one once the partners have separated, and it releases no energy that the partners did
+/// not put in. Between fragments it also shrinks at the speed StepTimes::parting; the energy of
+/// that is Tally::parted.
 template <class ContactsType>
 struct WithOffset : ContactsType {
   static constexpr std::size_t offset_from = ContactsType::history;
@@ -23,11 +24,11 @@ inline constexpr bool keeps_offset = requires {
   ContactsType::offset_from;
 };
 
-/// [m] above any overlap: the offset of a pair whose next overlap is to be left out.
+/// [m] above any overlap: the offset of a pair whose next overlap is to be excluded.
 inline constexpr double whole_overlap = 1e30;
 
-/// The overlaps of a pack of contacts, less their offsets, which follow. Negative ones are no
-/// offsets: they stay until the partners have parted (ImpactWatch).
+/// The overlaps of a pack of contacts minus their offsets, which are updated. Negative values are
+/// not offsets and stay until the partners have separated (ImpactWatch).
 template <class Real>
 SILT_INLINE Real without_offset(const Real& overlap, ScalarOf<Real>* offsets) {
   const Real zero(0), kept = silt::load<Real>(offsets);
@@ -45,7 +46,7 @@ bool any_offset([[maybe_unused]] const PairList& pairs) {
   return any;
 }
 
-/// [m] that the pair at place k of the inner list leaves out of its contact.
+/// [m] offset of the pair at place k of the inner list.
 template <class EngineType>
 double offset_of_pair([[maybe_unused]] const EngineType& e, [[maybe_unused]] std::size_t k) {
   using C = typename EngineType::Contacts;

@@ -9,7 +9,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The place of each pair in the table of coefficients, by the materials of both ends.
+/// The index of each pair in the coefficient table, from the materials of both ends.
 template <class Pairs, class Materials>
 void make_kinds(const Pairs& pairs, const Materials& material, std::size_t materials,
                 const Team& team, std::vector<std::uint16_t>& kinds) {

@@ -7,14 +7,14 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A Contacts type of spheres that are not solid: it knows their inertia_factor().
+/// A Contacts type of spheres that are not solid, with their inertia_factor().
 template <class ContactsType, Shape ShapeType>
 struct OfShape : ContactsType {
   static double inertia_factor() { return ShapeType::inertia_factor(); }
 };
 
-/// What follows from f = I/(m r^2) of the spheres that touch. Both partners have the same f, so
-/// that each is the same for pairs and for walls. Parts of bodies count as solid spheres.
+/// Quantities that depend on f = I/(m r^2) of the touching spheres. Both partners have the same f,
+/// so each is the same for pairs and for walls. Parts of bodies count as solid spheres.
 template <class ContactsType>
 struct InertiaOf {
   /// [-] f
@@ -26,13 +26,13 @@ struct InertiaOf {
   }
   /// [-] (I + m r^2)/(m r^2)
   static SILT_INLINE double rolling() { return 1 + factor(); }
-  /// [-] m* over the mass that resists slip at the contact point, 1 + m r^2/I
+  /// [-] m* over the effective mass against slip at the contact point, 1 + m r^2/I
   static SILT_INLINE double slip_mobility() { return 1 + 1 / factor(); }
   /// [-] I/(I + m r^2)
   static SILT_INLINE double share_of_rolling() { return 1 / slip_mobility(); }
 };
 
-/// Refuses an inertia_factor() that no sphere has: a shell's is the largest.
+/// Refuses an inertia_factor() that no sphere can have: a thin shell has the largest.
 template <class ShapeType>
 void check_inertia() {
   if constexpr (requires { ShapeType::inertia_factor(); }) {

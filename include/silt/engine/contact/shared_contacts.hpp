@@ -14,7 +14,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The energy of a contact goes with this power of the overlap: 5/2 unless the law says so.
+/// The exponent of the overlap in the contact energy: 5/2 unless the law provides it.
 template <class ContactsType>
 inline constexpr double energy_exponent = [] {
   if constexpr (requires { ContactsType::Law::energy_exponent; })
@@ -23,27 +23,28 @@ inline constexpr double energy_exponent = [] {
     return 2.5;
 }();
 
-/// How bodies of several parts share the stiffness of a contact. Where n parts of a body press on
-/// the same partner side by side, n springs would act where the material has one, and n dashpots.
-/// Here all contacts with one partner hold the energy of a single one, as deep as their deepest:
+/// How bodies of several parts share the stiffness of a contact. Where n parts of a body press side
+/// by side on the same partner, n springs and n dashpots would act where the material has one. Here
+/// all contacts with one partner store the energy of a single one, about as deep as their deepest:
 ///
 ///   U = D^a,   D = (sum_j e_j^p)^(1/p)   for a law that holds K_j d_j^a =: e_j^a, p = 10       (1)
 ///   F_k = -dU/dd_k = (e_k/D)^(p - a) F(d_k)                                                    (2)
 ///
 /// with F(d_k) = a K_k d_k^(a - 1) the law's own force (Hertz: a = 5/2, e ~ R*^(1/5) d), of which
-/// contact k gives the share (2); friction and damping go with it. n contacts of equal depth make
-/// n^(a/p) of one, that is n^(1/4) for Hertz' law: 1.4 of four, 3.2 of a hundred. More of an equal
-/// share (a larger p) makes bodies that rock on several parts stiffer against tilting, which needs
-/// shorter steps; shares of exactly 1/n have no potential, and gave an elastic plate up to 12 % of
-/// its energy. The partner is another body, or one surface of a wall. Of contacts across each
-/// other, as two bodies have that are hooked together, each gives 0.6 of what it would alone.
-/// Shapes: shares by place in the inner list; 1 where a pair of bodies has one pair of parts.
-/// Source: the plain number of contacts is what Kodam et al., Chem. Eng. Sci. 64 (2009) 3466,
-/// divide by; (1) is silt's own. Tests: tests/engine/shared_contacts.cpp.
+/// contact k applies the share (2); friction and damping scale with it. n contacts of equal depth
+/// have n^(a/p) times the force of one, that is n^(1/4) for the Hertz law: 1.4 for four, 3.2 for a
+/// hundred. A larger p would share more equally, but makes bodies that rock on several parts
+/// stiffer against tilting, which needs shorter steps. Shares of exactly 1/n have no potential;
+/// with them an elastic plate gained up to 12 % of its energy. The partner is another body, or one
+/// surface of a wall. Contacts at right angles, as between two hooked bodies, each apply 0.6 of
+/// their force alone. Shapes: shares by place in the inner list; 1 where a pair of bodies has one
+/// pair of parts.
+/// Source: Kodam et al., Chem. Eng. Sci. 64 (2009) 3466, divide by the plain number of contacts;
+/// (1) is silt's own. Tests: tests/engine/shared_contacts.cpp.
 template <class Scalar>
 class SharedContacts {
  public:
-  /// After the inner list is new: finds the pairs of bodies that have several pairs of parts.
+  /// Call after the inner list was renewed: finds the pairs of bodies with several pairs of parts.
   template <class List, class State>
   void renew(const List& list, const State& particles, std::size_t bodies) {
     const auto body = [&](std::uint32_t row) { return particles.part[row].body; };
@@ -69,7 +70,7 @@ class SharedContacts {
     }
   }
 
-  /// The shares of all pairs now.
+  /// Computes the shares of all pairs at the present positions.
   template <class List, class State, class Domain>
   void share_pairs(const List& list, const State& particles, const Domain& domain, double exponent,
                    const Team& team) {
@@ -99,7 +100,7 @@ class SharedContacts {
   }
   const Scalar* shares() const { return shares_.data(); }
 
-  /// Looks at all contacts with walls.
+  /// The same for all contacts with walls.
   template <class EngineType>
   void share_walls(const EngineType& e, double exponent) {
     wall_exponent_ = exponent;
@@ -115,7 +116,7 @@ class SharedContacts {
     strengths_.clear();
     for (const Found& f : found_) strengths_.push_back(f.strength);
   }
-  /// The share of a contact of a part of `body`, of this radius and depth [m], with a surface.
+  /// The share of a contact of a part of `body`, with this radius and depth [m], at a surface.
   double of_wall(std::uint32_t body, const WallCandidate& c, double radius, double depth) const {
     const Found wanted{body, c.wall, c.surface, 0};
     const auto [from, to] =
@@ -126,30 +127,30 @@ class SharedContacts {
     return all.size() < 2 ? 1 : share(strength(depth, radius, wall_exponent_), all, wall_exponent_);
   }
 
-  /// e^5 of (1), but for what all contacts have in common: R* d^5 for Hertz' law.
+  /// e^5 of (1), without the factors common to all contacts: R* d^5 for the Hertz law.
   static double strength(double depth, double R_eff, double exponent) {
     const double depth2 = depth * depth, depth5 = depth2 * depth2 * depth;
     if (exponent == 2.5) return R_eff * depth5;
     return exponent == 2 ? depth5 : depth5 * std::pow(R_eff, 5 * (exponent - 2) / exponent);
   }
-  /// The share (2) of a contact of this strength among all that touch, itself included; `exponent`
-  /// a.
+  /// The share (2) of a contact of this strength among all that touch (itself included);
+  /// `exponent`: a.
   static double share(double strength, std::span<const double> all, double exponent) {
     double squares = 0;
     for (const double e : all) squares += e * e;
-    if (!(squares > 0)) return 1;                    // none touches, or all too little for numbers
+    if (!(squares > 0)) return 1;                    // no contact, or all underflow
     const double x = strength * strength / squares;  // (e_k/D)^p
     if (exponent == 2.5) return std::sqrt(x) * std::sqrt(std::sqrt(x));
     return std::pow(x, 1 - exponent / power);
   }
 
  private:
-  /// Two ranks that both have a group add its strengths in the same order: that of the parts' ids.
+  /// Two ranks that both have a group add its strengths in the same order, by the ids of the parts.
   template <class List, class State>
   void set_order([[maybe_unused]] const List& list, [[maybe_unused]] const State& particles,
                  [[maybe_unused]] std::uint32_t from, [[maybe_unused]] std::uint32_t to) {
     if constexpr (State::of_ranks) {
-      if (particles.ghosts == 0) return;  // as in one process
+      if (particles.ghosts == 0) return;  // order as in one process
       const auto ids = [&](const Entry& e) {
         return std::pair{particles.id[list.first()[e.place]], particles.id[list.second()[e.place]]};
       };
@@ -175,12 +176,12 @@ class SharedContacts {
     }
   };
 
-  std::vector<std::uint32_t> begin_;  // of each body's entries, as the one with the lower place
+  std::vector<std::uint32_t> begin_;  // entries of each body, at the body with the lower place
   std::vector<Entry> entries_;
   std::vector<Group> groups_;
   AlignedVector<Scalar> shares_;
   std::vector<Found> found_;
-  std::vector<double> strengths_;  // of found_
+  std::vector<double> strengths_;  // for found_
   double wall_exponent_ = 2.5;
 };
 

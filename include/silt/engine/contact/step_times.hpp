@@ -7,24 +7,24 @@ namespace silt::inline SILT_TARGET::detail {
 
 class ContactRecord;
 
-/// What a step must know of time, and of who looks at it.
+/// Times of a step, and what is observed in it.
 struct StepTimes {
-  double step;           // [s]
-  double worked;         // of it, that forces have been at work since the last step: 0 at the first
-  bool ask;              // contacts what they store (ledger_asks_every)
-  double lag = 0.5;      // [steps] by which velocities are older than positions
+  double step;    // [s]
+  double worked;  // [s] part of it in which forces have acted since the last step: 0 at the first
+  bool ask;       // evaluate stored energies (ledger_asks_every)
+  double lag = 0.5;      // [steps] lag of velocities behind positions
   double now = 0;        // [s]
-  bool watched = false;  // somebody wants to know which contacts begin and end
-  // Of contacts that are watched and began before this time [s] force and work are looked at in
-  // some steps only, and whether this is one.
+  bool watched = false;  // an observer asks for begins and ends of contacts
+  // Force and work of tracked contacts that began before this time [s] are evaluated in some steps
+  // only; whether this step is one of them.
   double at_rest_from = -1;
   bool look_at_rest = true;
   static constexpr int at_rest_after = 2000, look_at_rest_every = 8;  // steps
-  bool renew_areas = true;  // contacts of smooth bodies find their points anew (contact_area.hpp)
+  bool renew_areas = true;  // contacts of smooth bodies recompute their points (contact_area.hpp)
   static constexpr int areas_every = 8;  // steps
-  double parting = 0;                    // [m/s] at which offsets shrink
-  double weak_from = 0;                  // [N] forces up to which nothing breaks
-  ContactRecord* record = nullptr;       // takes this step's contacts, if somebody asks
+  double parting = 0;                    // [m/s] rate at which offsets shrink
+  double weak_from = 0;                  // [N] below this force nothing breaks
+  ContactRecord* record = nullptr;       // records this step's contacts, if requested
 };
 
 }  // namespace silt::detail

@@ -10,13 +10,13 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Whether a contact law says how much softer than its solids a contact is (Softened).
+/// Whether a contact law reports how much softer than its solids a contact is (Softened).
 template <class Law>
 concept SaysSoftness = requires(const typename Law::template Coefficients<double>& p) {
   { Law::factor(p, 1.0, 1.0) } -> std::convertible_to<double>;
 };
 
-/// What a module sees of a pack of contacts, whose loads have taken the place of velocities.
+/// A pack of contacts as a module sees it; loads have overwritten the velocities.
 template <class ContactsType, bool AtWall, class Real, class Scalar, class Block, class LawLanes>
 inline Touching<Real> touching_of(const Block& block, std::size_t k, const Scalar* growth,
                                   [[maybe_unused]] const LawLanes& law) {

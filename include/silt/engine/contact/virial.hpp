@@ -10,8 +10,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A Contacts type whose contacts are summed up to the stress of a box: F_a d_b, force on the first
-/// and distance from the second centre [J].
+/// A Contacts type whose contacts are summed up to the stress of a box: F_a d_b, the force on the
+/// first particle times the vector from the second centre [J].
 template <class ContactsType>
 struct WithVirial : ContactsType {
   static constexpr bool sums_virial = true;
@@ -30,7 +30,7 @@ class VirialLanes {
   using Scalar = ScalarOf<Real>;
 
  public:
-  /// What is not a number, as a partner that has left or fills up the pack, counts as nothing.
+  /// NaN (a partner that has left, or padding) is skipped.
   SILT_INLINE void add(const Vec3<Real>& force, const Vec3<Real>& distance) {
     const Real work = dot(force, distance);
     const Vec3<Real> none{Real(0), Real(0), Real(0)};

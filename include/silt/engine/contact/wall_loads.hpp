@@ -10,13 +10,13 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What spheres do to a wall.
+/// The load of spheres on a wall.
 struct WallLoad {
   Vec3d force{0, 0, 0}, torque{0, 0, 0};  // [N], [N m] about the wall's reference
-  double power = 0;                       // [W] of its surface velocity on particles
+  double power = 0;                       // [W] of the surface velocity, on particles
 };
 
-/// A sphere, by its place, and a wall.
+/// A sphere, by its place, with too many contacts at a wall.
 struct CrowdedContact {
   std::uint32_t particle, wall;
 };
@@ -31,15 +31,15 @@ inline Vec3d mean_angular_velocity(const Pose& from, const Pose& to, double time
   return axis * (angle / (sine * time_step));
 }
 
-/// As mean_velocity() [m/s], with the velocity of a belt.
+/// As mean_velocity() [m/s], plus the velocity of a belt.
 inline Vec3d velocity_at_contact(const Wall& wall, const Vec3d& place, const Vec3d& normal,
                                  double step) {
   const Vec3d v = mean_velocity(wall, place, step);
   return wall.has_belt() ? v + wall.belt.at(place, normal) : v;
 }
 
-/// Sets force and torque of the walls, and counts their impulse, by the loads of `parts` threads'
-/// work, each with one a wall.
+/// Sets force and torque of the walls and adds to their impulse, from the loads of the threads:
+/// each of the `parts` has one load per wall.
 inline void sum_wall_loads(std::span<Wall> walls, std::span<const WallLoad> loads,
                            std::size_t parts, double time_step) {
   for (std::size_t w = 0; w < walls.size(); ++w) {

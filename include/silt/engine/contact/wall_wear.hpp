@@ -14,8 +14,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The facet of a mesh that a contact at `point` [m] of this normal is at: the nearest one seen
-/// from a little above, the lowest of equals; no_facet if there are none.
+/// The facet of a mesh that a contact at `point` [m] with this normal touches: the nearest one seen
+/// from slightly above, the lowest number among equals; no_facet if there is none.
 inline std::size_t facet_at(const Wall& wall, const TriangleMesh& mesh,
                             std::span<const std::uint32_t> facets, const Vec3d& point,
                             const Vec3d& normal, double above) {
@@ -28,7 +28,7 @@ inline std::size_t facet_at(const Wall& wall, const TriangleMesh& mesh,
   return best;
 }
 
-/// What modules wear of mesh walls in a step: nothing, unless one does.
+/// Wear of mesh walls by modules in a step; empty unless a module wears walls.
 template <class Fluxes, bool Wears = Fluxes::wears>
 class WallWear {
  public:
@@ -38,18 +38,18 @@ class WallWear {
   void finish(std::span<Wall>) {}
 };
 
-/// Noted block by block, each by one thread, and summed in the order of blocks, so that the sums do
-/// not depend on the number of threads.
+/// Recorded block by block, each by one thread, and summed in the order of blocks; the sums do not
+/// depend on the number of threads.
 template <class Fluxes>
 class WallWear<Fluxes, true> {
  public:
-  /// What is known of the contacts of a block before the law, which takes its place.
+  /// Data of the contacts of a block saved before the law overwrites it.
   template <std::size_t Block>
   struct Rubs {
-    Vec3d velocity[Block];           // [m/s] of the particle's surface to the wall's
-    const WallCandidate* of[Block];  // null: no mesh
+    Vec3d velocity[Block];           // [m/s] of the particle's surface relative to the wall's
+    const WallCandidate* of[Block];  // null: not a mesh
     bool begins[Block];
-    bool next_begins = false;  // the contact that is described next
+    bool next_begins = false;  // for the contact described next
 
     void put(std::size_t k, const WallCandidate& c, const Wall& wall, const Vec3d& v) {
       of[k] = is_mesh(wall.surfaces[c.surface]) ? &c : nullptr;
@@ -60,7 +60,7 @@ class WallWear<Fluxes, true> {
     notes_.resize(blocks);
     for (auto& notes : notes_) notes.clear();
   }
-  /// A contact and the force [N] on the particle, of `mass` [kg] and `radius` [m], for `duration`
+  /// A contact and the force [N] on the particle of `mass` [kg] and `radius` [m], for `duration`
   /// [s] since the last step.
   struct Rub {
     Vec3d point, normal, force, velocity;
@@ -101,7 +101,7 @@ class WallWear<Fluxes, true> {
     std::size_t wall, place;
     double volume;  // [m3]
   };
-  std::vector<std::vector<Note>> notes_;  // by block
+  std::vector<std::vector<Note>> notes_;  // per block
 };
 
 }  // namespace silt::detail

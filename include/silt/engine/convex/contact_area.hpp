@@ -12,37 +12,40 @@ namespace silt::inline SILT_TARGET::detail {
 
 /// Friction and damping of a contact that has an area: the law acts at three points of it.
 ///
-/// The overlap of two bodies is one number, and its slope one force along the normal: by themselves
-/// they resist neither a block that spins on its face nor one that rocks on it. So the contact's
-/// force is shared by three points p_k of its area, each with a third of the normal force, its own
-/// sliding velocity, rate of overlap and history:
+/// The overlap of two bodies is one number, and its gradient gives one normal force. Alone they do
+/// not resist a block spinning on its face or rocking on it. So the contact force is distributed
+/// over three points p_k of the area, each with a third of the normal force, its own sliding
+/// velocity, overlap rate and history:
 ///
 ///   p_k = p + a sqrt(2) C^(1/2) u_k,  u_k = cos(2 pi k/3) t + sin(2 pi k/3) n x t             (1)
 ///   force = 1/3 sum_k F(overlap, rate at p_k, slip at p_k, history k), each acting at p_k      (2)
 ///
-/// C is the covariance of the contact region across the normal n (SolidContact::spread), t a
-/// direction that turns with the contact. As sum u_k = 0 and sum 2 u_k u_k^T / 3 = 1, the points
-/// have the mean p and the covariance a^2 C; the elastic force is that of one point at p, so that a
-/// law without losses conserves energy as before. A contact of edges has its points on a line, one
-/// of corners or round bodies all three at p.
-///   Coulomb's torque against spinning is mu F times the mean distance of the p_k from p. With a =
-/// 0.9372 it is that of a uniform pressure on a square, 0.3826 of its edge, exactly; on a disc it
-/// is 0.6 % low; on a rectangle, averaged over the turns of t, at most 2.6 % low, and 10 % off at
-/// worst at one turn of a very long one.
-///   Damping: with c = the law's dashpot, rocking with angular velocity w meets the torque a^2 c C
-/// w: its share of the critical damping is nearly that of the motion along the normal.
+/// C is the covariance of the contact region perpendicular to the normal n (SolidContact::spread),
+/// t a direction that rotates with the contact. As sum u_k = 0 and sum 2 u_k u_k^T / 3 = 1, the
+/// points have the mean p and the covariance a^2 C; the elastic force equals that of one point at
+/// p, so a law without losses still conserves energy. Contacts of edges have their points on a
+/// line; for corners and round bodies all three are at p.
+///
+/// Friction: Coulomb's torque against spinning is mu F times the mean distance of the p_k from p.
+/// With a = 0.9372 it equals that of a uniform pressure on a square, 0.3826 of its edge. On a
+/// disc it is 0.6 % low; on a rectangle, averaged over the rotations of t, at most 2.6 % low; the
+/// worst error is 10 %, for one orientation of t on a very long rectangle.
+///
+/// Damping: with c = the law's dashpot, rocking with angular velocity w is resisted by the torque
+/// a^2 c C w; its ratio to critical damping is nearly that of the normal motion.
+///
 /// Source: silt's own. Tests: tests/engine/contact_area.cpp.
 inline constexpr std::size_t area_points = 3;
 inline constexpr double area_factor = 0.93717;  // a
 
-/// Where the points of a contact lie: the direction t, and a sqrt(2) C^(1/2) in the frame of t and
-/// n x t. Kept with the contact from step to step.
+/// Positions of the points of a contact: the direction t, and a sqrt(2) C^(1/2) in the frame of t
+/// and n x t. Stored with the contact from step to step.
 template <class Real>
 struct AreaFrame {
-  Vec3<Real> way;            // [-] t; 0 where the contact is new
-  Real along, both, across;  // [m] components of the root
+  Vec3<Real> way;            // [-] t; 0 in a new contact
+  Real along, both, across;  // [m] components of the square root
 
-  /// Turns with the contact by `turn` [rad], and stays across n.
+  /// Rotates with the contact by `turn` [rad] and stays perpendicular to n.
   SILT_INLINE void turn_with(const Vec3<Real>& n, const Vec3<Real>& turn) {
     way = way + cross(turn, way);
     way = way - dot(way, n) * n;
@@ -57,7 +60,7 @@ struct AreaFrame {
     const Vec3<Real> of_s = spread.times(s);
     const Real ss = dot(s, of_s), st = dot(t, of_s), tt = dot(t, spread.times(t));
     const Real less = half * (ss - tt), size = sqrt(less * less + st * st);
-    const auto longer_s = !(less < zero);  // of the two forms the one without cancellation
+    const auto longer_s = !(less < zero);  // of the two forms, the one without cancellation
     const Real along_s = select(longer_s, size + less, st),
                along_t = select(longer_s, st, size - less);
     const Real square = along_s * along_s + along_t * along_t;
@@ -77,7 +80,7 @@ struct AreaFrame {
     along = select(where, scale * (a + root), along), both = select(where, scale * b, both);
     across = select(where, scale * (c + root), across);
   }
-  /// [m] from the contact's point.
+  /// [m] relative to the contact point.
   SILT_INLINE std::array<Vec3<Real>, area_points> arms(const Vec3<Real>& n) const {
     const Vec3<Real> beside = cross(n, way), first = along * way + both * beside;
     const Vec3<Real> second = Real(std::sqrt(0.75)) * (both * way + across * beside);
@@ -85,12 +88,12 @@ struct AreaFrame {
   }
 };
 
-/// What of N contacts side by side their points need, and what their loads amount to.
+/// Input of the points of N contacts, and their resulting loads.
 template <std::size_t N>
 struct AreaBlock {
   alignas(64) double spread[6][N];  // [m2] of SolidContact
   alignas(64) double spin[3][N];    // [rad/s] of i relative to the partner, times the gradient
-  alignas(64) double moment[3][N];  // [N m] of the points' forces about the contact's point
+  alignas(64) double moment[3][N];  // [N m] of the points' forces about the contact point
 
   template <class Real>
   SILT_INLINE void put_spread(std::size_t k, const Spread<Real>& s) {
@@ -115,21 +118,20 @@ struct AreaBlock {
   }
 };
 
-/// How contacts act that have an area: law at its points (ContactStage). The block's loads are the
-/// sums of the points'.
+/// Evaluates contacts that have an area: the law at its points (ContactStage). The loads of the
+/// block are sums over the points.
 template <std::size_t N>
 struct AtAreaPoints {
   AreaBlock<N>& area;
-  bool renew;  // points follow the spread; else only those of new contacts do
-  const double* gradients = nullptr;  // of SolidContact, or null where they are 1
+  bool renew;  // recompute all points from the spread; else only those of new contacts
+  const double* gradients = nullptr;  // of SolidContact, or null if all are 1
 
   template <class ContactsType, class Arch, class Block, std::size_t H, class Losses>
-  SILT_INLINE void loads(
-      Block& block, std::size_t count, const StepTimes& times,
-      const CoefficientTable<ContactsType>& table, const std::uint16_t* kinds,
-      const std::array<double*, H>& history,
-      RunningTally<ContactsType, typename Lanes<Arch, double>::Real>& tally,
-      [[maybe_unused]] Losses& losses) const {
+  SILT_INLINE void loads(Block& block, std::size_t count, const StepTimes& times,
+                         const CoefficientTable<ContactsType>& table, const std::uint16_t* kinds,
+                         const std::array<double*, H>& history,
+                         RunningTally<ContactsType, typename Lanes<Arch, double>::Real>& tally,
+                         [[maybe_unused]] Losses& losses) const {
     using Real = typename Lanes<Arch, double>::Real;
     using Kernel = ContactKernel<ContactsType, Real>;
     constexpr std::size_t W = Lanes<Arch, double>::width, of_one = ContactsType::point_history;
@@ -161,7 +163,7 @@ struct AtAreaPoints {
       };
       losses.begin(tally.lanes);
       add.template operator()<0>();
-      const auto safeguards = tally.sum.safeguards;  // of contacts, not of points
+      const auto safeguards = tally.sum.safeguards;  // counts contacts, not points
       add.template operator()<1>(), add.template operator()<2>();
       tally.sum.safeguards = safeguards;
       losses.end(k, times, tally.lanes);
@@ -185,7 +187,7 @@ struct AtAreaPoints {
   }
 
  private:
-  /// The arms of a pack's points; keeps their frames, one pointer a component.
+  /// The arms of a pack's points; stores their frames, one pointer per component.
   template <class Real, class Touches>
   SILT_INLINE auto arms_of(const Kinematics<Real>& kin, const Touches& touches, const Real& step,
                            std::size_t k, double* const* at) const {

@@ -15,17 +15,17 @@
 #include <silt/shape/narrow/solid_mesh_contacts.hpp>
 #include <silt/shape/narrow/solid_walls.hpp>
 
-/// Where a convex part touches a surface of a wall: which geometry of shape/narrow answers.
+/// Contacts of a convex part with a surface of a wall; selects the geometry of shape/narrow.
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Contacts of one part with one surface, and with a plane, at most.
+/// Largest numbers of contacts of one part with one surface, and with a plane.
 inline constexpr int most_wall_contacts = 8;
 template <class Kinds>
 inline constexpr int most_plane_contacts = Kinds::template has<Polyhedron> ? most_wall_contacts : 1;
 
-/// Which place of a surface a ball touches, by the numbers of solid_mesh_contacts.hpp: 0 for faces,
-/// which are told apart by their normals.
+/// Which feature of a surface a ball touches, numbered as in solid_mesh_contacts.hpp: 0 for faces,
+/// which are identified by their normals.
 template <class S>
 std::uint32_t feature_at([[maybe_unused]] const S& surface,
                          [[maybe_unused]] const SurfacePoint& p) {
@@ -70,7 +70,7 @@ int contacts_with(const Placed& body, const S& surface, std::span<const std::uin
     if constexpr (!std::is_same_v<Placed, PlacedPolyhedron>)
       for (int k = 0; k < count; ++k) {
         auto& c = out[k];
-        if (!is_rim(c) && c.feature < Polyhedron::most_vertices)  // no edge of the wall
+        if (!is_rim(c) && c.feature < Polyhedron::most_vertices)  // not an edge of the wall
           c.spread = symmetric(
               spread_of(body.form, body.axes, c.normal, c.point - body.position, c.overlap));
         c.point += (0.5 * c.overlap) * c.normal;  // midway between both surfaces
@@ -79,7 +79,7 @@ int contacts_with(const Placed& body, const S& surface, std::span<const std::uin
   }
 }
 
-/// Turns the axes of a part into the frame of a wall.
+/// Transforms the axes of a part into the frame of a wall.
 inline void turn_into(const Pose&, PlacedBall&) {}
 template <class Form>
 void turn_into(const Pose& pose, PlacedSuper<Form>& body) {
@@ -92,15 +92,15 @@ inline void turn_into(const Pose& pose, PlacedPolyhedron& body) {
   turn = {rotate(back, turn.x), rotate(back, turn.y), rotate(back, turn.z)};
 }
 
-/// Brings a contact from the frame of a wall into space.
+/// Transforms a contact from the frame of a wall into space.
 inline void into_space(const Pose& pose, SolidContact& contact) {
   contact.normal = pose.rotate(contact.normal);
   contact.point = pose.to_space(contact.point);
   contact.spread = turned(rotation_matrix(pose.rotation), contact.spread);
 }
 
-/// As contacts_with_wall(), of a super-ellipsoid by the kernel for its exponents; `at` [m] in the
-/// wall's frame.
+/// As contacts_with_wall(), for a super-ellipsoid with the kernel for its exponents; `at` [m] in
+/// the wall's frame.
 template <class Rows>
 int contact_with_plane(const Rows& rows, std::size_t row, const Vec3d& at, const Wall& wall,
                        const Plane& plane, SolidContact& out) {
@@ -124,7 +124,7 @@ int contact_with_plane(const Rows& rows, std::size_t row, const Vec3d& at, const
   });
 }
 
-/// The contacts of a row with one surface of a wall, in space; points on the wall.
+/// The contacts of a row with one surface of a wall, in the space frame; points on the wall.
 template <class Rows>
 int contacts_with_wall(const Rows& rows, std::size_t row, const Vec3d& centre, const Wall& wall,
                        const Surface& surface, std::span<const std::uint32_t> facets,
@@ -147,15 +147,15 @@ inline bool is_round(const Surface& surface) {
   return std::holds_alternative<Cylinder>(surface) || std::holds_alternative<Cone>(surface);
 }
 
-/// Drops contacts with a rim that lies in the tangent plane of a deeper contact with another
-/// surface and looks the same way: where two surfaces join, it is a seam. Of two rims in the same
-/// place the `first` surface's stays. Returns how many are left.
+/// Removes contacts with a rim that lies in the tangent plane of a deeper contact with another
+/// surface and has the same orientation: where two surfaces join, it is a seam. Of two rims at the
+/// same place the `first` surface's is kept. Returns the number that remains.
 inline int without_seams(SolidContact* found, int count, std::span<const SolidContact> beside,
                          bool first, double tolerance) {
   const auto is_seam = [&](const SolidContact& a) {
     return is_rim(a) && std::any_of(beside.begin(), beside.end(), [&](const SolidContact& b) {
              const double deeper = b.overlap - a.overlap;
-             // Points lie on the walls or behind, by no more than the overlaps.
+             // Points lie on the walls or behind them, by no more than the overlaps.
              const double off = std::abs(dot(a.point - b.point, b.normal));
              return (deeper > tolerance || (deeper > -tolerance && first)) &&
                     dot(a.normal, b.normal) > 0.5 && off <= tolerance + a.overlap + b.overlap;

@@ -11,19 +11,19 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What the kernels of convex parts read.
+/// Input of the kernels of convex parts.
 template <class Rows>
 struct ConvexInput {
   const PositionRow* positions;
   const MotionRow<true>* motions;
   const Rows* rows;
-  // If there are several materials: of each pair the place in the coefficient table, and the
-  // material of each row.
+  // With several materials: the index of each pair in the coefficient table, and the material of
+  // each row.
   const std::uint16_t *kinds, *materials;
   StepTimes times;
 };
 
-/// values[k] to to[place[k]]: one by one, as scatter instructions are slower.
+/// Writes values[k] to to[place[k]] one by one, as scatter instructions are slower.
 SILT_INLINE void scatter(const double* values, const std::uint32_t* place, std::size_t count,
                          double* to) {
   for (std::size_t k = 0; k < count; ++k) {
@@ -57,7 +57,8 @@ struct ConvexGather {
     }
     FormOf<K, E> form;
     static_assert(sizeof form <= sizeof columns);
-    for (std::size_t c = 0; c < sizeof form / sizeof(Real); ++c)  // all at once would be a call
+    for (std::size_t c = 0; c < sizeof form / sizeof(Real);
+         ++c)  // copying all at once would be a call
       std::memcpy(reinterpret_cast<char*>(&form) + c * sizeof(Real), columns + c, sizeof(Real));
     return form;
   }
@@ -92,8 +93,8 @@ struct ConvexGather {
   }
 };
 
-/// Packs of what pairs keep, from the list, see WithNormals: all, or what contacts of one point
-/// have.
+/// Gathers packs of the history of pairs (WithNormals): all of it, or the part that contacts at one
+/// point have.
 template <class List, class ContactsType, class Arch>
 struct KeptGather {
   using Real = typename Lanes<Arch>::Real;
@@ -107,7 +108,7 @@ struct KeptGather {
     const double* const row = list.history_row(place) + M;
     return {{row[0], row[1], row[2]}, row[3], list.history(radius)[place]};
   }
-  /// What pairs keep: of the numbers of the first rows, and R_eff.
+  /// History in the first rows, and R_eff.
   static SILT_INLINE void kept_of(List& list, const std::uint32_t* place,
                                   Real (&numbers)[4 * chunks], Memory& memory) {
     const double* at[W];
@@ -118,7 +119,7 @@ struct KeptGather {
     for (std::size_t lane = 0; lane < W; ++lane) radii[lane] = from[place[lane]];
     memory = {{numbers[M], numbers[M + 1], numbers[M + 2]}, numbers[M + 3], load<Real>(radii)};
   }
-  /// Those of the second rows.
+  /// History in the second rows.
   static SILT_INLINE void more_of(List& list, const std::uint32_t* place,
                                   Real (&numbers)[4 * more_chunks]) {
     const double* at[W];
@@ -131,8 +132,7 @@ struct KeptGather {
     kept_of(list, place, numbers, memory);
     return memory;
   }
-  /// Writes the rows of a pack, the numbers of which stand in columns; with the second ones if
-  /// `All`.
+  /// Writes the rows of a pack whose values are in columns; with the second rows if `All`.
   template <bool All, std::size_t Columns, std::size_t N>
   static SILT_INLINE void keep(List& list, const std::uint32_t* place, std::size_t valid,
                                const double (&columns)[Columns][N], std::size_t k) {

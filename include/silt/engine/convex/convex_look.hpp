@@ -12,17 +12,17 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A contact of convex bodies, by their rows; or of one with a wall, j then being no_place.
+/// A contact of two convex bodies, given by their rows, or of one with a wall (j = no_place).
 struct SeenContact {
   std::uint32_t i, j;
   std::uint16_t wall;
   Vec3d normal;                           // [-] from the partner to i
   double overlap, R_eff;                  // [m]
-  double share;                           // [-] overlap over the smaller least radius
-  double inverse_mass_i, inverse_mass_j;  // [1/kg] that a push along the normal meets
+  double share;                           // [-] overlap over the smaller inscribed radius
+  double inverse_mass_i, inverse_mass_j;  // [1/kg] effective, for a force along the normal
 };
 
-/// Convex parts where forces acted on them: `back` [s] ago. As ConvexRows for who looks at them.
+/// Convex parts at the positions where forces acted, `back` [s] ago; same interface as ConvexRows.
 template <class EngineType>
 class RowsBefore {
   using Rows = std::remove_cvref_t<decltype(std::declval<EngineType>().mover.convex_rows)>;
@@ -63,8 +63,8 @@ class RowsBefore {
   }
 };
 
-/// Calls visit(SeenContact) for every contact of the bodies as they lay `back` [s] ago; lists and
-/// memories stay as they are. One lane at a time: for the guard and its messages.
+/// Calls visit(SeenContact) for every contact of the bodies at the positions of `back` [s] ago;
+/// lists and histories are not changed. One lane at a time: for the guard and its messages.
 template <class EngineType, class Domain, class Visit>
 void for_each_convex_contact(const EngineType& e, const Domain& domain, double back,
                              const Visit& visit) {
@@ -103,16 +103,16 @@ void for_each_convex_contact(const EngineType& e, const Domain& domain, double b
       next = end_of_images(all, first);
     if (c.surface >= wall.surfaces.size() || e.particles.motion[c.particle].inv_m == 0) continue;
     const Vec3d& centre = rows.centre[c.particle];
-    for_each_joined(rows, centre, wall, e.lists.walls, all.subspan(first, next - first),
-                    [&](const SolidContact& found, const WallCandidate&) {
-                      visit(SeenContact{
-                          c.particle, no_place, c.wall, found.normal, found.overlap, found.R_eff,
-                          found.overlap / least(c.particle),
-                          found.gradient * found.gradient *
-                              at(c.particle)
-                                  .inverse_mass(found.point - centre, found.normal, found.couple),
-                          0});
-                    });
+    for_each_joined(
+        rows, centre, wall, e.lists.walls, all.subspan(first, next - first),
+        [&](const SolidContact& found, const WallCandidate&) {
+          visit(SeenContact{
+              c.particle, no_place, c.wall, found.normal, found.overlap, found.R_eff,
+              found.overlap / least(c.particle),
+              found.gradient * found.gradient *
+                  at(c.particle).inverse_mass(found.point - centre, found.normal, found.couple),
+              0});
+        });
   }
 }
 

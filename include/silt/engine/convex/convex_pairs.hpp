@@ -14,14 +14,14 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Computes the loads of all pairs of convex parts. The lists are of bounding spheres; of their
-/// pairs each stage takes only those on that the one before could not prove apart, again in whole
-/// packs, pairs of the same two kinds together (what fills no pack waits for the next ones):
-///   the gap that was found last, less what speeds and spins may have closed since; bounding
-///   spheres; separation along the last normal (least_gap()); contact (touch()); law; loads.
-/// Of two kinds the first in KindList is i, else the particle with the lower id. What a pair keeps
-/// behind the law's history: NormalMemory, whose last number, R_eff while the bodies touch, is
-/// minus a lower bound of the gap while they do not.
+/// Computes the loads of all pairs of convex parts. The lists contain pairs of bounding spheres;
+/// each of these stages passes on only pairs that it cannot prove to be apart, again in whole
+/// packs, with pairs of the same two kinds together (an incomplete pack waits for the next pairs):
+///   the last gap, less the approach possible since; bounding spheres; separation along the last
+///   normal (least_gap()); contact (touch()); law; loads.
+/// In a pair of two kinds the first one in KindList is i, else the particle with the lower id.
+/// Behind the law's history a pair stores NormalMemory, whose last value is R_eff during contact,
+/// and minus a lower bound of the gap otherwise.
 template <class Rows, class ContactsType, class Domain, class Arch, class Fluxes = NoFluxes>
 class ConvexPairs {
   using Real = typename Lanes<Arch>::Real;
@@ -36,13 +36,13 @@ class ConvexPairs {
   static constexpr std::size_t H = ContactsType::history, M = ContactsType::memory_from,
                                events = numbers_before_events<ContactsType>,
                                radius = ContactsType::memory_radius,
-                               more = radius + 1;  // what else contacts keep
+                               more = radius + 1;  // further history values
   static_assert(load_chunks<ContactsType> == chunks,
                 "rolling resistance is of spheres and of bodies made of spheres: the shape of "
                 "others resists rolling itself");
   static_assert(!ActsAtDistance<typename ContactsType::Law>,
                 "laws that act at a distance are for spheres and bodies made of spheres");
-  /// Overlaps of polyhedra are no depths: see SolidContact.
+  /// For polyhedra, overlap is not a depth: see SolidContact.
   using Touch = ConvexTouch<Rows, ContactsType, List, slice, Arch>;
   using Slice = typename Touch::Slice;
   using Some = SomePairs<scan + slice + W, W>;
@@ -105,7 +105,7 @@ class ConvexPairs {
       const Vec3d arm = at(c.arm_i, k);
       note.event.point = scene.in.positions[first(k)].centre() + arm;
       if (!note.ended) return;
-      // Apart, they may have neither normal nor point.
+      // Bodies that have separated may have neither normal nor point.
       if (c.followed[k] != 0) note.event.normal = -at(c.last, k);
       if (norm(arm) > 0) return;
       const double size_i = scene.in.rows->pose[first(k)].least_radius,
@@ -140,7 +140,7 @@ class ConvexPairs {
     }
     return tally.end();
   }
-  /// Runs what fills packs, or, if they are the last ones, all.
+  /// Processes full packs or, at the end, all that remain.
   template <std::size_t A, std::size_t B>
   static void run_kinds(const Scene& scene, Some& near, Some& open, bool last,
                         RunningTally<ContactsType, Real>& tally) {
@@ -163,25 +163,25 @@ class ConvexPairs {
     };
     if constexpr (Kinds::count == 1 && Touch::template in_lanes<A, B>)
       with_exponents(scene.in.rows->exponents, run);
-    else  // not each kernel for each pair of kinds: that would be long to compile
+    else  // not every kernel for every pair of kinds: that would take long to compile
       run(std::integral_constant<Exponents, Exponents::Any>{});
   }
 
-  /// Sorts pairs: those that touched are open; of the others those whose gap is used up and whose
-  /// bounding spheres overlap are near.
+  /// Sorts pairs: those that touched are `open`; of the others, those whose gap may have closed and
+  /// whose bounding spheres overlap are `near`.
   static void sort_out(const Scene& scene, std::size_t from, std::size_t count, ByKind& near,
                        ByKind& open, Tally<ContactsType>& tally);
 
-  /// Of the near pairs those that the last normal does not prove to be apart.
+  /// Of the near pairs, those that the last normal does not prove to be apart.
   template <std::size_t A, std::size_t B, Exponents E>
   static void prove_apart(const Scene& scene, const Some& near, std::size_t count, Some& open,
                           Tally<ContactsType>& tally);
 
-  /// Notes the gap [m] of a pair that does not touch; one that did loses its history.
+  /// Stores the gap [m] of a pair that does not touch; clears its history if it did before.
   static void part(const Scene& scene, std::size_t place, double gap, bool touched,
                    Tally<ContactsType>& tally);
 
-  /// How fast [m/s] the gap of each pair may shrink.
+  /// Upper bound of the closing speed [m/s] of each pair.
   static SILT_INLINE Real approach(const Input& in, const std::uint32_t* a,
                                    const std::uint32_t* b) {
     alignas(64) double sum[W];
@@ -189,8 +189,8 @@ class ConvexPairs {
     for (std::size_t lane = 0; lane < W; ++lane) sum[lane] = pace[a[lane]] + pace[b[lane]];
     return load<Real>(sum);
   }
-  /// The angular velocity is that at the end of a step, in which that of a free body may have been
-  /// a little greater.
+  /// The angular velocity is that at the end of a step; earlier in the step that of a free body may
+  /// have been slightly larger.
   static constexpr double gap_slack = 1.1;
 
   template <std::size_t A, std::size_t B, Exponents E>
@@ -232,7 +232,7 @@ class ConvexPairs {
     add_loads<has_gradient<A, B>, has_area>(scene, open, from, count, c);
   }
 
-  /// Contacts k and the following ones, whose geometry the slice has.
+  /// Contacts k and following, whose geometry is in the slice.
   template <bool HasGradient, bool HasArea>
   static SILT_INLINE void complete(const Scene& scene, const Some& open, std::size_t from,
                                    std::size_t k, Slice& c, Real& share) {
@@ -256,14 +256,14 @@ class ConvexPairs {
     Kinematics<Real> kin;
     kin.normal = n;
     kin.velocity = i.velocity_at(arm_i) - j.velocity_at(arm_j);
-    // The direction of a step ago: it is kept in the axes of one body, which have turned.
+    // The direction of the last step is stored in the axes of one body, which has rotated since.
     const Vec3<Real> turned = step * cross(select(followed > zero, i.spin, j.spin), last);
     kin.change = select(followed != zero, n + last - turned, {zero, zero, zero});
     kin.overlap = select(touches, load<Real>(kept.overlap + k), Real(-1));
     if constexpr (keeps_offset<ContactsType>)
       kin.overlap = without_offset(kin.overlap, c.history[ContactsType::offset_from] + k);
     if constexpr (HasGradient) {
-      // All that moves the overlap's rate counts `gradient` times, and so does all force.
+      // The overlap rate and the force both carry the factor `gradient`.
       const Real g = load<Real>(c.gradient + k), couple = load<Real>(c.couple + k);
       kin.velocity += (couple * dot(i.spin - j.spin, n)) * n;
       kin.velocity = g * kin.velocity;
@@ -287,7 +287,7 @@ class ConvexPairs {
     share = max(share, select(touches, kin.overlap, zero) / min(thin_i, thin_j));
   }
 
-  /// Force and torques of the contacts, onto the sums of both bodies.
+  /// Adds force and torques of the contacts to the sums of both bodies.
   template <bool HasGradient, bool HasArea>
   static void add_loads(const Scene& scene, const Some& open, std::size_t from, std::size_t count,
                         const Slice& c) {

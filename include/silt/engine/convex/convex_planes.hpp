@@ -15,11 +15,11 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Contacts of convex parts with walls in one block: those with planes first, lane by lane, in
-/// whole packs. Lanes in which nothing touches have an overlap of -1 and no history.
+/// Contacts of convex parts with walls in one block: those with planes first, in lanes and whole
+/// packs. Inactive lanes have an overlap of -1 and no history.
 template <class ContactsType, class Candidate, std::size_t Slots, std::size_t W>
 struct ConvexWallBlock {
-  static constexpr std::size_t room = Slots + 16;  // a pack more
+  static constexpr std::size_t room = Slots + 16;  // one pack more
   static constexpr std::uint32_t no_slot = std::numeric_limits<std::uint32_t>::max();
   static_assert(W <= 16);
 
@@ -27,23 +27,23 @@ struct ConvexWallBlock {
   alignas(64) double history[ContactsType::history + 1][room];
   std::uint16_t kind[room];
   const Candidate* of[room];
-  std::uint32_t slot[room];                         // no_slot: only padding
+  std::uint32_t slot[room];                         // no_slot: padding
   alignas(64) double arm[3][room], place[3][room];  // [m] from the centre; in space
   double gradient[room], couple[room];              // of SolidContact
   static constexpr bool has_area = ContactsType::points > 1;
   AreaBlock<has_area ? room : 1> area;
   std::size_t count = 0;
-  double largest = 0;                                 // [-] overlap over least radius
-  [[no_unique_address]] NotesOf<ContactsType> ended;  // contacts that are not among these
+  double largest = 0;                                 // [-] overlap over inscribed radius
+  [[no_unique_address]] NotesOf<ContactsType> ended;  // ended contacts not in this block
 };
 
-/// Contacts with planes at rest of convex parts that are super-ellipsoids of one kind.
+/// Contacts of super-ellipsoids of one kind with planes at rest.
 template <class Rows, class ContactsType, class Contacts, class Arch>
 class ConvexPlanes {
   using Real = typename Lanes<Arch>::Real;
   using Gather = ConvexGather<Rows, Arch>;
   static constexpr std::size_t W = Lanes<Arch>::width, radius = ContactsType::memory_radius,
-                               more = radius + 1;  // what else contacts keep
+                               more = radius + 1;  // further history values
   using Candidate = typename Contacts::Candidate;
   template <std::size_t K>
   using KindAt = typename Rows::template KindAt<K>;
@@ -57,10 +57,10 @@ class ConvexPlanes {
     return in_lanes && !wall.moves() && std::holds_alternative<Plane>(wall.surfaces[c.surface]);
   }
 
-  /// Candidates whose bounding sphere overlaps a plane, with what lanes have not in common.
+  /// Candidates whose bounding sphere overlaps a plane, with the data that differ between lanes.
   class Near {
    public:
-    /// False if the candidate, whose plane is at rest, does not reach it.
+    /// Returns false if the plane, which is at rest, is not reached by the candidate.
     bool take(const ConvexInput<Rows>& in, const Wall& wall, const Candidate& c) {
       using Row = typename KernelOf<KindAt<0>>::Row;
       const Plane plane = std::get<Plane>(wall.surfaces[c.surface]).unit();
@@ -155,7 +155,7 @@ class ConvexPlanes {
     for (std::size_t lane = 0; lane < valid; ++lane) to.largest = std::max(to.largest, share[lane]);
     keep(near, k, valid, touches, contacts, to);
   }
-  /// Of which candidates a pack's contacts are, and of which materials.
+  /// The candidates and materials of a pack's contacts.
   static SILT_INLINE void name_partners([[maybe_unused]] const ConvexInput<Rows>& in,
                                         const Near& near, std::size_t k,
                                         const CoefficientTable<ContactsType>& table,
@@ -169,8 +169,8 @@ class ConvexPlanes {
           static_cast<std::uint16_t>(material * table.materials + walls[c.wall].material);
     }
   }
-  /// What a pack's contacts have kept: `numbers` of their history, and what events need; R_eff [m]
-  /// and the last normals.
+  /// Loads the history of a pack's contacts: `numbers` values and those of events, R_eff [m], and
+  /// the last normals.
   static void recall(const Near& near, std::size_t k, std::size_t valid, std::size_t numbers,
                      Contacts& contacts, Block& to, double (&radii)[W],
                      double (&last_normal)[3][W]) {
@@ -186,8 +186,8 @@ class ConvexPlanes {
       for (std::size_t h = more; h < ContactsType::history; ++h) recall_one(h);
     }
   }
-  /// Notes in their slots which of a pack's planes are touched, and puts lanes that only fill it up
-  /// out of reach.
+  /// Stores in their slots which planes of a pack are touched, and moves padding lanes out of
+  /// reach.
   static void keep(const Near& near, std::size_t k, std::size_t valid, const double (&touches)[W],
                    Contacts& contacts, Block& to) {
     for (std::size_t lane = 0; lane < W; ++lane) {

@@ -21,11 +21,11 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A Contacts type whose contacts have `Points` points, each with a history of its own
-/// (contact_area.hpp), and keep what the narrow phase must know of the last step: NormalMemory. In
-/// this order: the first point's history; NormalMemory but its last number; the other points'
-/// histories; AreaFrame; the last number of NormalMemory. So contacts of one point need the first
-/// numbers alone. At walls only the last one of NormalMemory is used.
+/// A Contacts type whose contacts have `Points` points, each with its own history
+/// (contact_area.hpp), and store the narrow phase's data of the last step: NormalMemory. The order
+/// is: the first point's history; NormalMemory without its last value; the other points' histories;
+/// AreaFrame; the last value of NormalMemory. Contacts of one point therefore need the first values
+/// only. At walls only the last value of NormalMemory is used.
 template <class ContactsType, std::size_t Points>
 struct WithNormals : ContactsType {
   static constexpr bool rotates = true;
@@ -37,7 +37,7 @@ struct WithNormals : ContactsType {
   static constexpr std::size_t memory_radius =
       frame_from + (Points > 1 ? 6 : 0);  // R_eff: touching
   static constexpr std::size_t history = memory_radius + 1;
-  /// Of contacts with walls, the numbers before R_eff that are in use.
+  /// For contacts with walls: number of values before R_eff that are in use.
   static constexpr std::size_t history_kept(bool has_area) {
     return has_area ? memory_radius : memory_from;
   }
@@ -57,9 +57,9 @@ template <class... Kind>
 inline constexpr std::size_t points_of_contacts<KindList<Kind...>> = (has_flats<Kind> || ...) ? 3
                                                                                               : 1;
 
-/// Of what a pair keeps, the numbers that stand in rows, as few pairs of a list touch: all but the
-/// last, whose sign tells which these are. Those of more points than one apart, as only contacts
-/// with an area have them.
+/// Which history values of a pair are stored in rows, as few pairs of a list touch: all except the
+/// last one, whose sign says which pairs touch. Those of further points are separate, as only
+/// contacts with an area have them.
 template <class ContactsType>
 inline constexpr HistoryRows history_in_rows{};
 template <class ContactsType>
@@ -67,7 +67,7 @@ requires(requires {
   ContactsType::memory_radius;
 }) inline constexpr HistoryRows history_in_rows<ContactsType>{
     ContactsType::memory_to, ContactsType::memory_radius - ContactsType::memory_to};
-/// Numbers that a contact takes at most.
+/// Largest number of history values of a contact.
 template <class ContactsType>
 inline constexpr std::size_t history_numbers = [] {
   constexpr HistoryRows rows = history_in_rows<ContactsType>;
@@ -75,22 +75,22 @@ inline constexpr std::size_t history_numbers = [] {
          (rows.more + 3) / 4 * 4;
 }();
 
-/// Orientation of a convex part, and the inertia of its body: one cache line.
+/// Orientation of a convex part and the inertia of its body; one cache line.
 struct alignas(64) PoseRow {
-  Quaternion q;         // its axes to space
+  Quaternion q;         // rotation from its axes to space
   Vec3d inv_inertia;    // [1/(kg m2)] about the body's principal axes
-  double least_radius;  // [m] of the largest sphere inside
+  double least_radius;  // [m] of the inscribed sphere
 };
 static_assert(sizeof(PoseRow) == 64);
 
-/// Of a part that is not the whole of its body: where it is in it, and the body's principal axes.
+/// For a part of a composite body: its position in the body, and the body's principal axes.
 struct alignas(64) LeverRow {
-  Quaternion q;  // of the body, its principal axes to space
-  Vec3d offset;  // [m] from the body's centre to the part's, in space
+  Quaternion q;  // rotation from the body's principal axes to space
+  Vec3d offset;  // [m] from the body's centre to the part's, in the space frame
   double none = 0;
 };
 
-/// A part in its size as rows of four numbers, whichever of the kinds it is.
+/// A part in its actual size as rows of four numbers, for any of the kinds.
 template <std::size_t Bytes>
 struct alignas(32) FormRow {
   static constexpr std::size_t rows = (Bytes + 31) / 32;
@@ -108,7 +108,7 @@ struct alignas(32) FormRow {
   }
 };
 
-/// What narrow phases know of the rows, which are convex parts of bodies.
+/// The rows as the narrow phases use them: convex parts of bodies.
 template <class Kinds, bool OnePart>
 struct ConvexRows;
 template <class... Kind, bool OnePart>
@@ -119,20 +119,21 @@ struct ConvexRows<KindList<Kind...>, OnePart> {
   using KindAt = std::tuple_element_t<K, std::tuple<Kind...>>;
   using Form = FormRow<std::max({sizeof(typename KernelOf<Kind>::Row)...})>;
 
-  AlignedVector<PoseRow> pose;            // of each row, and of two more: padding pairs
+  AlignedVector<PoseRow> pose;            // of each row, and of two more for padding pairs
   AlignedVector<LeverRow> lever;          // of each row, and of two more, if has_levers
-  AlignedVector<Form> form;               // of each row; of all, if there is only one
+  AlignedVector<Form> form;               // of each row, or a single one for all
   std::vector<std::uint8_t> kind;         // of each row, if there are several
   AlignedVector<double> pace;             // [m/s] see measure_pace()
-  Exponents exponents = Exponents::Ball;  // the most general of any
-  double least_radius = 0;                // [m] of the largest sphere inside of any, the least
+  Exponents exponents = Exponents::Ball;  // the most general of all parts
+  double least_radius = 0;                // [m] of the smallest inscribed sphere
   std::tuple<typename KernelOf<Kind>::Store...> stores;
-  Vec3d agreed_mean{0, 0, 0};  // [m/s] of many ranks' bodies, when the rows were renewed
+  Vec3d agreed_mean{0, 0, 0};  // [m/s] over all ranks, when the rows were renewed
 
-  /// How fast any point of a row's bounding sphere, turning with it, moves relative to the mean of
-  /// all: the sum of two rows' bounds how fast they close. Relative to the mean, as a heap that
-  /// falls does not close; of each alone, as pairs are many more than bodies. On many ranks the
-  /// mean is the one that they have agreed on, so that all find the same of a pair.
+  /// Upper bound of the speed of any point of a row's bounding sphere, rotating with it, relative
+  /// to the mean velocity of all; the sum of the bounds of two rows bounds their closing speed. It
+  /// is relative to the mean because a falling heap does not close its gaps, and per body because
+  /// there are many more pairs than bodies. With several ranks it is the mean that they have agreed
+  /// on, so that all ranks treat a pair alike.
   void measure_pace(const MotionRow<true>* motions, const Team& team, bool agreed = false) {
     const std::size_t n = pose.size();
     pace.resize(n);
@@ -155,8 +156,8 @@ struct ConvexRows<KindList<Kind...>, OnePart> {
   }
 
   bool one_form() const { return form.size() == 1; }
-  /// Whether contacts may have an area: not of ellipsoids alone, unless pairs are worked on by the
-  /// kernels for any exponents (ConvexPairs), which keep what areas need.
+  /// Whether contacts may have an area. Ellipsoids alone do not, unless their pairs use the kernels
+  /// for any exponents (ConvexPairs), which store the data for areas.
   bool has_area() const {
     return several || Kinds::template has<Polyhedron> || exponents > Exponents::Two;
   }
@@ -167,7 +168,7 @@ struct ConvexRows<KindList<Kind...>, OnePart> {
     else
       return 0;
   }
-  /// Part `row` of kind K at `at`, turned by q.
+  /// Part `row` of kind K at position `at` with orientation q.
   template <std::size_t K>
   auto placed(std::size_t row, const Vec3d& at, const Quaternion& q) const {
     using Narrow = KernelOf<KindAt<K>>;
@@ -193,7 +194,7 @@ struct ConvexRows<KindList<Kind...>, OnePart> {
   }
 };
 
-/// The rows of a shape; nothing of others than solids.
+/// The rows of a shape; empty for shapes other than solids.
 template <class ShapeType>
 struct ConvexRowsOf {
   struct type {};
@@ -203,7 +204,7 @@ struct ConvexRowsOf<ShapeType> {
   using type = ConvexRows<typename ShapeType::Kinds, ShapeType::one_part>;
 };
 
-/// Calls run with the exponents as a constant.
+/// Calls run with the exponents as a compile-time constant.
 template <class Run>
 auto with_exponents(Exponents e, const Run& run) {
   const auto as = [&]<Exponents E>() { return run(std::integral_constant<Exponents, E>{}); };
@@ -219,7 +220,7 @@ auto with_exponents(Exponents e, const Run& run) {
   }
 }
 
-/// Rows of four numbers a lane, turned into columns.
+/// Transposes rows of four numbers per lane into columns.
 template <class Arch, std::size_t Rows, class Real>
 SILT_INLINE void gather_columns(const double* const* at, Real (&out)[4 * Rows]) {
   constexpr std::size_t W = Lanes<Arch>::width;
@@ -232,7 +233,7 @@ SILT_INLINE void gather_columns(const double* const* at, Real (&out)[4 * Rows]) 
   }
 }
 
-/// What of a body's motion its contacts need.
+/// The motion of a body as its contacts need it.
 template <class Real>
 struct BodyAtContact {
   Vec3<Real> velocity, spin;  // [m/s] of the part's centre, [rad/s]; at the last half step
@@ -244,8 +245,8 @@ struct BodyAtContact {
   SILT_INLINE Vec3<Real> velocity_at(const Vec3<Real>& arm) const {
     return velocity + cross(spin, arm);
   }
-  /// The inverse mass [1/kg] that a push along n at `arm` with the couple c n meets:
-  /// 1/m + l I^-1 l, l = r x n + c n.
+  /// The inverse effective mass [1/kg] for a force along n at `arm` with the couple c n: 1/m + l
+  /// I^-1 l, l = r x n + c n.
   SILT_INLINE Real inverse_mass(const Vec3<Real>& arm, const Vec3<Real>& n,
                                 const Real& couple = Real(0)) const {
     const Vec3<Real> lever = axes.to_body(cross(arm + offset, n) + couple * n);

@@ -12,7 +12,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Some pairs of convex parts.
+/// A batch of pairs of convex parts.
 template <std::size_t Room, std::size_t W>
 struct SomePairs {
   static constexpr std::size_t room = Room + W;
@@ -28,14 +28,14 @@ struct SomePairs {
     for (int c = 0; c < 3; ++c) between[c][count] = sign * x[c][lane];
     ++count;
   }
-  /// Fills the last pack with its last pair.
+  /// Pads the last pack with copies of its last pair.
   void pad() {
     for (std::size_t k = count; k % W != 0; ++k) {
       place[k] = place[count - 1], i[k] = i[count - 1], j[k] = j[count - 1];
       for (auto& c : between) c[k] = c[count - 1];
     }
   }
-  /// Forgets the first ones.
+  /// Removes the first `done` pairs.
   void drop(std::size_t done) {
     if (done == 0) return;
     const auto shift = [&](auto& of) { std::copy(of + done, of + count, of); };
@@ -49,22 +49,23 @@ struct SomePairs {
   }
 };
 
-/// N contacts side by side: what the narrow phase has found, then kinematics and loads.
+/// N contacts: the results of the narrow phase, then kinematics and loads.
 template <class ContactsType, std::size_t N>
 struct ConvexSlice {
   KinematicsBlock<ContactsType, N, double> kinematics;
   alignas(64) double history[ContactsType::history + 1][N];
   alignas(64) double arm_i[3][N];             // [m] of the contact point from the centre of i
-  alignas(64) double last[3][N];              // direction of a step ago, as it was kept
-  alignas(64) double followed[N];             // the body it follows; 0: it did not touch
+  alignas(64) double last[3][N];              // direction in the last step, as stored
+  alignas(64) double followed[N];             // the body it follows; 0: no contact in the last step
   alignas(64) double gradient[N], couple[N];  // of SolidContact
   std::uint16_t kind[N];
   static constexpr bool has_area = ContactsType::points > 1;
   AreaBlock<has_area ? N : 1> area;
 };
 
-/// The narrow phase of pairs of convex parts: kernels in lanes, or pair by pair. In lanes all get
-/// one Newton step; the few that it does not settle are then taken together, in packs of their own.
+/// The narrow phase of pairs of convex parts: kernels in lanes, or pair by pair. In lanes all pairs
+/// get one Newton step; the few that do not converge are then processed together in packs of their
+/// own.
 template <class Rows, class ContactsType, class List, std::size_t N, class Arch>
 struct ConvexTouch {
   using Real = typename Lanes<Arch>::Real;
@@ -82,14 +83,14 @@ struct ConvexTouch {
   static constexpr std::size_t W = Lanes<Arch>::width, M = ContactsType::memory_from,
                                radius = ContactsType::memory_radius;
 
-  /// Whether the contacts of two kinds have an area. (Ellipsoids touch in points as balls do.)
+  /// Whether the contacts of two kinds have an area. Ellipsoids touch at points, as balls do.
   template <std::size_t A, std::size_t B, Exponents E>
   static constexpr bool has_area =
       has_flats<typename Rows::template KindAt<A>>&& has_flats<typename Rows::template KindAt<B>> &&
       (!in_lanes<A, B> || E > Exponents::Two);
 
-  /// Contacts of the `count` pairs from `from` on, whose last pack is padded. In the slice: normal,
-  /// overlap, R_eff, arm_i, last, followed, gradient, couple, history and memory.
+  /// Contacts of the `count` pairs from `from` on, whose last pack is padded. Writes into the
+  /// slice: normal, overlap, R_eff, arm_i, last, followed, gradient, couple, history and memory.
   template <std::size_t A, std::size_t B, Exponents E, class Some>
   static void run(const Input& in, List& list, const Some& some, std::size_t from,
                   std::size_t count, Slice& out) {
@@ -124,7 +125,7 @@ struct ConvexTouch {
           auto memory = memory_at(out, k);
           const SolidContact c = touch_solids(i, j, memory);
           put(c, memory, k, out);
-          // The last one fills the last pack: what lanes out of contact compute must be finite.
+          // The last pair pads the last pack: inactive lanes must compute finite values.
           if (k + 1 == count)
             for (std::size_t more = count; more % W != 0; ++more) put(c, memory, more, out);
         });
@@ -140,7 +141,7 @@ struct ConvexTouch {
             Gather::template form_pack<B, E>(in, some.j + k), turn_i, turn_j,
             some.template between_at<Real>(k)};
   }
-  /// Calls visit(i, j) with one pair, i's centre being the origin.
+  /// Calls visit(i, j) for one pair, with the centre of i as origin.
   template <std::size_t A, std::size_t B, class Some, class Visit>
   static void with_placed(const Input& in, const Some& some, std::size_t k, const Visit& visit) {
     const auto& rows = *in.rows;
@@ -150,7 +151,7 @@ struct ConvexTouch {
   }
 
  private:
-  /// What a pack of pairs kept goes into the slice.
+  /// Copies the history of a pack of pairs into the slice.
   template <bool HasArea>
   static SILT_INLINE Memory recall(List& list, const std::uint32_t* place,
                                    const BodyAxes<Real>& turn_i, const BodyAxes<Real>& turn_j,
@@ -158,7 +159,7 @@ struct ConvexTouch {
     Real numbers[4 * Kept::chunks];
     Memory memory;
     Kept::kept_of(list, place, numbers, memory);
-    memory.R_eff = max(memory.R_eff, Real(0));  // else a gap
+    memory.R_eff = max(memory.R_eff, Real(0));  // negative: a gap
     for (std::size_t h = 0; h < M; ++h) store(out.history[h] + k, numbers[h]);
     if constexpr (HasArea) {
       Real more[4 * Kept::more_chunks];
@@ -176,7 +177,7 @@ struct ConvexTouch {
     store(out.followed + k, select(memory.R_eff > Real(0), memory.follows, Real(0)));
     return memory;
   }
-  /// Whether any of a pack's contacts has no points yet.
+  /// Whether any of a pack's contacts has no area points yet.
   template <bool HasArea>
   static SILT_INLINE bool any_is_new([[maybe_unused]] const Slice& slice,
                                      [[maybe_unused]] std::size_t k) {
@@ -210,8 +211,8 @@ struct ConvexTouch {
       return touch_from<ContactRadius::AtFirstTouch, false>(pair, last, memory);
   }
 
-  /// What lanes have found goes into the slice, and what they keep: R_eff, or where they do not
-  /// touch minus the gap.
+  /// Copies the results of the lanes into the slice, with the stored values: R_eff, or minus the
+  /// gap where they do not touch.
   template <bool HasArea, class Pair, std::size_t Slots>
   static SILT_INLINE void put([[maybe_unused]] const Pair& pair, const BodyContact<Real>& found,
                               Memory& memory, std::size_t k, [[maybe_unused]] bool renew_area,
@@ -245,7 +246,8 @@ struct ConvexTouch {
     h[radius][k] = found.overlap > 0 ? memory.R_eff : std::min(found.overlap, 0.0);
   }
 
-  /// Up to a pack of a slice's contacts, `which`, from the directions that they have come to.
+  /// Continues the iteration for up to one pack of a slice's contacts (`which`) from their present
+  /// directions.
   template <std::size_t A, std::size_t B, Exponents E, class Some>
   static void go_on(const Input& in, const Some& some, std::size_t from, const std::uint16_t* which,
                     std::size_t valid, Slice& slice) {

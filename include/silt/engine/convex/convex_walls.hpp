@@ -23,15 +23,15 @@
 namespace silt::inline SILT_TARGET::detail {
 
 /// Computes the loads of all contacts of convex parts with walls, fixed or moving: exact contacts
-/// of each candidate (ConvexPlanes: in lanes), then the same law over lanes as for pairs; sums what
-/// each wall bears.
+/// of each candidate (ConvexPlanes: in lanes), then the same law in lanes as for pairs; the sum on
+/// each wall.
 template <class Rows, class ContactsType, class Arch, class Fluxes = NoFluxes, bool Repeats = false>
 class ConvexWalls {
   using Real = typename Lanes<Arch>::Real;
   static constexpr std::size_t W = Lanes<Arch>::width;
   static constexpr std::size_t H = ContactsType::history, radius = ContactsType::memory_radius,
                                events = numbers_before_events<ContactsType>,
-                               more = radius + 1;  // what else contacts keep
+                               more = radius + 1;  // further history values
   static constexpr std::size_t chunks = load_chunks<ContactsType>, row = 4 * chunks;
 
  public:
@@ -57,7 +57,7 @@ class ConvexWalls {
     for (const auto& tally : tallies_) all.add(tally);
     return all;
   }
-  /// Each has slots for all contacts that it can have.
+  /// None: each candidate has slots for all contacts that it can have.
   std::optional<CrowdedContact> crowded() const { return {}; }
 
  private:
@@ -138,11 +138,11 @@ class ConvexWalls {
   }
   static void keep_history(Contacts& contacts, const Scratch& s, std::size_t k, bool has_area) {
     const std::size_t kept = ContactsType::history_kept(has_area);
-    for (std::size_t h = 0; h < kept; ++h)  // R_eff has been kept already
+    for (std::size_t h = 0; h < kept; ++h)  // R_eff is already stored
       contacts.history(h)[s.slot[k]] = s.history[h][k];
     for (std::size_t h = more; h < H; ++h) contacts.history(h)[s.slot[k]] = s.history[h][k];
   }
-  /// The load of contact k, onto the sums of its body and of the wall.
+  /// Adds the load of contact k to the sums of its body and of the wall.
   void add_load(const Input& in, const Contacts& contacts, std::span<const Wall> walls,
                 double* sums, std::size_t b, const Scratch& s, std::size_t k, bool has_area) {
     const Candidate& c = *s.of[k];
@@ -171,9 +171,9 @@ class ConvexWalls {
                                                   place, n, in.times.step));
   }
 
-  static constexpr double same_contact = 0.8;  // cosine of the largest turn in one step
+  static constexpr double same_contact = 0.8;  // cosine of the largest rotation in one step
 
-  /// The contacts with the wall, or the image of it, that a candidate is of.
+  /// The contacts of a candidate with its wall or image of the wall.
   static int contacts_of(const Input& in, const Contacts& contacts, std::span<const Wall> walls,
                          const Candidate& c, SolidContact (&found)[most_wall_contacts]) {
     return contacts_with_image(*in.rows, in.positions[c.particle].centre(), walls[c.wall], contacts,
@@ -218,8 +218,8 @@ class ConvexWalls {
         in, contacts, table, walls[c.wall], images,
         {found, static_cast<std::size_t>(count)}, [&](int) -> auto& { return c; }, s);
   }
-  /// Finds the slots of contacts among those that the images of a surface have in common; `of(k)`
-  /// is the candidate of contact k.
+  /// Finds the slots of contacts among those shared by the images of a surface; `of(k)`: the
+  /// candidate of contact k.
   template <std::size_t Most, class Of>
   static void take(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
                    const Wall& wall, std::span<const Candidate> images,
@@ -230,7 +230,7 @@ class ConvexWalls {
     const std::size_t slots = images.size() * Contacts::slots_of(wall.surfaces[c.surface]);
     bool taken[Most == most_wall_contacts ? Most : block] = {};
     std::size_t own[Most];
-    // First those of the same feature, then those of nearly the same normal, then the new ones.
+    // In this order: same feature, nearly the same normal, new contacts.
     for (int k = 0; k < count; ++k)
       own[k] = slot_of(found[k], c.slot, slots, contacts, taken, true);
     for (int k = 0; k < count; ++k)
@@ -242,7 +242,7 @@ class ConvexWalls {
         if (!taken[p]) own[k] = p, taken[p] = true;
       describe(found[k], centre, in, contacts, table, wall, of(k), c.slot + own[k], s);
     }
-    if constexpr (keeps_offset<ContactsType>)  // what does not touch leaves nothing out
+    if constexpr (keeps_offset<ContactsType>)  // the offset ends with the contact
       for (std::size_t p = 0; p < slots; ++p)
         if (!taken[p]) contacts.history(ContactsType::offset_from)[c.slot + p] = 0;
   }
@@ -291,7 +291,7 @@ class ConvexWalls {
     const Vec3d change = kept.touching ? contact.normal - kept.normal : Vec3d{0, 0, 0};
     if constexpr (Fluxes::wears) s.rubs.next_begins = !kept.touching;
     kept = {contact.normal, true, contact.feature};
-    double& R_eff = contacts.history(radius)[slot];  // that of the first touch
+    double& R_eff = contacts.history(radius)[slot];  // from the first step in contact
     if (!(R_eff > 0)) R_eff = contact.R_eff;
     const auto body = body_at_contact(in.motions[c.particle], *in.rows, c.particle);
     const Vec3d arm = contact.point - centre, n = contact.normal;
@@ -310,7 +310,7 @@ class ConvexWalls {
     Kinematics<double> kin;
     kin.normal = n, kin.change = change;
     kin.velocity = body.velocity_at(arm) - wall_velocity;
-    // All that moves the overlap's rate counts `gradient` times, and so does all force.
+    // The overlap rate and the force both carry the factor `gradient`.
     kin.velocity = g * (kin.velocity + (contact.couple * dot(body.spin - wall_spin, n)) * n);
     kin.overlap = contact.overlap, kin.R_eff = R_eff;
     if constexpr (keeps_offset<ContactsType>)
@@ -341,7 +341,7 @@ class ConvexWalls {
     s.largest = std::max(s.largest, contact.overlap / in.rows->pose[c.particle].least_radius);
   }
 
-  /// Fills the last pack with its first contact, moved out of reach.
+  /// Pads the last pack with copies of its first contact, moved out of reach.
   static void pad(Scratch& s) {
     for (std::size_t k = s.count; k % W != 0; ++k) {
       const std::size_t from = s.count / W * W;
@@ -359,8 +359,8 @@ class ConvexWalls {
   }
 
   [[no_unique_address]] WallWear<Fluxes> wear_;
-  std::vector<WallLoad> loads_;               // by block and wall
-  std::vector<Tally<ContactsType>> tallies_;  // by block
+  std::vector<WallLoad> loads_;               // per block and wall
+  std::vector<Tally<ContactsType>> tallies_;  // per block
 };
 
 }  // namespace silt::detail

@@ -14,13 +14,13 @@
 #include <silt/engine/lists/wall_candidate.hpp>
 #include <silt/engine/lists/wall_seams.hpp>
 
-/// Contacts of one convex part with a wall and its images in a box that repeats. `List`:
-/// WallContacts. Tests: tests/engine/wall_images_bodies.cpp
+/// Contacts of one convex part with a wall and its images in a periodic box. `List`: WallContacts.
+/// Tests: tests/engine/wall_images_bodies.cpp
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The contacts of a row, of this centre [m], with the image of a wall that a candidate is of;
-/// points beside the row.
+/// The contacts of a row with this centre [m] and the image of a wall that a candidate belongs to;
+/// points are near the row.
 template <class Rows, class List, class Candidate>
 int contacts_with_image(const Rows& rows, const Vec3d& centre, const Wall& wall, const List& list,
                         const Candidate& c, SolidContact (&found)[most_wall_contacts]) {
@@ -32,9 +32,9 @@ int contacts_with_image(const Rows& rows, const Vec3d& centre, const Wall& wall,
   return count;
 }
 
-/// The contacts of one convex part with a surface and its images, all beside the part. Where images
-/// join or overlap each other, a place of the part has one contact, as on one surface. Of sharp
-/// polyhedra at meshes each patch has one, whichever images it is seen in.
+/// The contacts of one convex part with a surface and its images, all shifted to the part. Where
+/// images join or overlap, a place of the part has one contact, as on one surface. Contacts of
+/// sharp polyhedra with meshes: one per patch, whichever images it is seen in.
 template <class Candidate>
 struct JoinedContacts {
   static constexpr std::size_t most = 64;
@@ -56,7 +56,7 @@ struct JoinedContacts {
   }
 
  private:
-  /// False if it is not a mesh, or no sharp polyhedron.
+  /// Returns false if it is not a mesh, or not a sharp polyhedron.
   template <class Rows, class List>
   bool join_patches(const Rows& rows, const Vec3d& centre, const Wall& wall, const List& list,
                     std::span<const Candidate> images) {
@@ -87,7 +87,7 @@ struct JoinedContacts {
     return sharp;
   }
 
-  /// `tolerance` [m] of equal depths.
+  /// `tolerance` [m] within which depths count as equal.
   void drop_seams(const Surface& surface, double tolerance) {
     const auto* const mesh = std::get_if<std::shared_ptr<const TriangleMesh>>(&surface);
     const double smooth = mesh != nullptr ? (*mesh)->cos_smooth_angle() : 1 - 1e-9;
@@ -106,8 +106,8 @@ struct JoinedContacts {
 
   static bool is_edge(const SolidContact& c) { return c.feature >= Polyhedron::most_vertices; }
 
-  /// Whether `a` is an edge or corner of a mesh in the tangent plane of another contact `b`, which
-  /// is deeper, or as deep and the face or the first.
+  /// Whether `a` is an edge or corner of a mesh in the tangent plane of another contact `b` that is
+  /// deeper, or equally deep and a face or the first.
   static bool is_seam(const SolidContact& a, const SolidContact& b, bool first, double tolerance) {
     if (!is_edge(a) || !(dot(a.normal, b.normal) > 0.5)) return false;
     const double deeper = b.overlap - a.overlap;
@@ -116,7 +116,8 @@ struct JoinedContacts {
            off <= tolerance + a.overlap + b.overlap;
   }
 
-  /// Whether `a` is the place of `b`, seen by another image, and less deep, or as deep and later.
+  /// Whether `a` is the same contact as `b`, seen by another image, and less deep, or equally deep
+  /// and later.
   static bool is_same(const SolidContact& a, const SolidContact& b, bool first, double smooth,
                       double tolerance) {
     if (!(b.overlap > a.overlap || (b.overlap == a.overlap && first))) return false;
@@ -127,7 +128,7 @@ struct JoinedContacts {
   }
 };
 
-/// Calls visit(contact, image) for those of a row with the images of one surface.
+/// Calls visit(contact, image) for the contacts of a row with the images of one surface.
 template <class Rows, class List, class Candidate, class Visit>
 void for_each_joined(const Rows& rows, const Vec3d& centre, const Wall& wall, const List& list,
                      std::span<const Candidate> images, const Visit& visit) {

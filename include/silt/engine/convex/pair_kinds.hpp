@@ -24,7 +24,7 @@ struct PairKinds {
   }
 };
 
-/// The bits of a pack's first `left` lanes.
+/// A bit mask of the first `left` lanes of a pack.
 template <std::size_t W>
 constexpr std::uint64_t valid_lanes(std::size_t left) {
   return left >= W ? (std::uint64_t{1} << W) - 1 : (std::uint64_t{1} << left) - 1;

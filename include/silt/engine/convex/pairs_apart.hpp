@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of ConvexPairs: which pairs are apart, by cheaper proofs than the search for contacts.
+// Parts of ConvexPairs: which pairs are apart, by tests that are cheaper than finding contacts.
 
 #include <algorithm>
 #include <bit>
@@ -24,7 +24,7 @@ inline void ConvexPairs<Rows, ContactsType, Domain, Arch, Fluxes>::sort_out(
     const std::uint64_t lanes = valid_lanes<W>(from + count - k);
     const Real kept = load<Real>(gaps + k);
     const std::uint64_t touched = lane_bits(kept > zero) & lanes;
-    std::uint64_t closed = 0;  // lanes that need no look
+    std::uint64_t closed = 0;  // lanes that need no test
     if (const auto resting = kept < zero; any(resting)) {
       const Real left = kept + step * approach(scene.in, a, b);
       closed = lane_bits(left < zero) & lane_bits(resting) & lanes;

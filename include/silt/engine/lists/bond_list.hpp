@@ -30,17 +30,17 @@ struct Bond {
   ParticleId i, j;
   BondRest<double> rest;
   typename Model::template Numbers<double> numbers;
-  std::uint64_t number;  // [-] the bonds that were made before it
+  std::uint64_t number;  // [-] how many bonds were made before it
 };
 
-/// Aggregates of doubles of many bonds, pack by pack, so that lanes load what lies side by side;
-/// kept as `Stored`.
+/// Aggregates of doubles for many bonds, stored pack by pack, so that SIMD lanes load contiguous
+/// values; the storage type is `Stored`.
 template <template <class> class Aggregate, class Stored, std::size_t W>
 class BondColumns {
   static constexpr std::size_t count = sizeof(Aggregate<double>) / sizeof(double);
 
  public:
-  /// All 0.
+  /// Sets all values to 0.
   void clear(std::size_t packs) { packs_.assign(packs * count * W, Stored(0)); }
   void set(std::size_t k, const Aggregate<double>& values) {
     const auto numbers = std::bit_cast<std::array<double, count>>(values);
@@ -51,13 +51,13 @@ class BondColumns {
     for (std::size_t c = 0; c < count; ++c) numbers[c] = packs_[at(k, c)];
     return std::bit_cast<Aggregate<double>>(numbers);
   }
-  /// Of the pack that begins at place k.
+  /// The values of the pack that begins at place k.
   template <class Real>
   SILT_INLINE Aggregate<Real> load(std::size_t k) const {
     return members_of<Aggregate<Real>, Real>(
         [from = packs_.data() + k * count](auto c) { return load_wide<Real>(from + c * W); });
   }
-  /// Asks for the pack that begins at place k.
+  /// Prefetches the pack that begins at place k.
   SILT_INLINE void fetch(std::size_t k) const {
     const auto* const from = reinterpret_cast<const std::byte*>(packs_.data() + k * count);
     for (std::size_t at = 0; at < count * W * sizeof(Stored); at += 64)
@@ -70,15 +70,16 @@ class BondColumns {
   AlignedVector<Stored> packs_;
 };
 
-/// What a bond keeps in single precision, which is that of its stiffness and strength.
+/// The values of a bond that are stored in single precision, the precision of its stiffness and
+/// strength.
 template <class Real>
 struct BondShape {
   Real share, per_length;  // of BondRest
 };
 
-/// What is known of bonds by their places: where they rest, and their model's numbers. The turns of
-/// ends that were made apart take memory only if there are any: spheres that were bonded as they
-/// came have none.
+/// Stored data of bonds by place: their rest configuration and the numbers of their model. Rest
+/// rotations of ends bonded at a different orientation take memory only if there are any; spheres
+/// bonded as they were created have none.
 template <class Model, std::size_t W>
 class BondColumnsOf {
  public:
@@ -127,21 +128,21 @@ class BondColumnsOf {
   bool turned_ = false;
 };
 
-/// The bonds of a simulation, in the order in which their stage goes through them: by groups that
-/// threads work on (PairGroups), in each by the rows of their ends. Groups begin at whole packs;
-/// gaps hold bonds of two particles that are nowhere, with numbers of 0.
+/// The bonds of a simulation in the order in which their stage processes them: by the groups that
+/// threads work on (PairGroups), and within a group by the rows of their ends. Groups begin at
+/// whole packs; gaps are filled with inert bonds between two dummy particles, all numbers 0.
 template <class Model, std::size_t W>
 class BondList {
  public:
   using Bond = detail::Bond<Model>;
-  static constexpr std::size_t ahead = 64;  // places behind the last one, for loops that look ahead
+  static constexpr std::size_t ahead = 64;  // places behind the last one, for loops that prefetch
   struct Group {
     std::size_t from = 0, to = 0;  // places
     std::size_t size() const { return to - from; }
   };
 
   std::size_t size() const { return size_; }
-  /// A bond as it is kept, but for its place.
+  /// A bond in storage precision, without its place.
   static Bond as_kept(Bond b) {
     const auto single = [](const auto& values) {
       using Numbers = std::remove_cvref_t<decltype(values)>;
@@ -158,7 +159,7 @@ class BondList {
     waiting_.push_back(bond), ++size_;
     any_turned_ = any_turned_ || bond.rest.turn != Quaternion{};
   }
-  /// Takes the bond at a place out.
+  /// Removes the bond at a place.
   void remove(std::size_t place) { ids_[place] = nobody, --size_, is_stale_ = true; }
 
   const PairGroups& groups() const { return groups_; }
@@ -170,7 +171,7 @@ class BondList {
   }
   const std::uint32_t* first() const { return first_.data(); }
   const std::uint32_t* second() const { return second_.data(); }
-  /// Asks for the pack that begins at place k, and for the places of ends twice as far ahead.
+  /// Prefetches the pack that begins at place k, and the ends of bonds twice as far ahead.
   SILT_INLINE void fetch(std::size_t k) const {
     columns_.fetch(k);
     __builtin_prefetch(first_.data() + k + ahead);
@@ -188,13 +189,13 @@ class BondList {
         if (ids_[k].i != no_particle) visit(k);
   }
 
-  /// Calls visit(bond) for each, those too that have come since, in no order.
+  /// Calls visit(bond) for each bond, including those added since the last sorting, in no order.
   template <class Visit>
   void for_each_bond(const Visit& visit) const {
     for_each([&](std::size_t k) { visit(bond(k)); });
     for (const Bond& b : waiting_) visit(b);
   }
-  /// Calls visit(bond) for each, in the order in which they were made.
+  /// Calls visit(bond) for each, in order of creation.
   template <class Visit>
   void for_each_in_order(const Visit& visit) const {
     std::vector<Bond> all;
@@ -205,10 +206,10 @@ class BondList {
     for (const Bond& b : all) visit(b);
     for (const Bond& b : waiting_) visit(b);
   }
-  /// Puts bonds in order where rows were given anew, or bonds have come or gone. `find(id)`: the
-  /// row of a particle, `rows` or more if it has left; `left`: how many have since the last change
-  /// of rows. Their bonds go: gone(bond) is told. So do those of two ghosts, the rows behind the
-  /// `owned` ones.
+  /// Sorts the bonds after rows were renumbered, or bonds were added or removed. `find(id)`: the
+  /// row of a particle, or a number of at least `rows` if it has left; `left`: how many particles
+  /// have left since the last change of rows. Bonds of particles that left are removed; gone(bond)
+  /// is called for each. Bonds between two ghosts (rows from `owned` on) are removed as well.
   template <class Find, class Gone>
   void follow(std::size_t rows, std::size_t owned, std::uint64_t changes, std::size_t left,
               const Find& find, const Gone& gone) {
@@ -243,12 +244,12 @@ class BondList {
   };
   static constexpr Ids nobody{no_particle, no_particle, 0};
 
-  /// Where a bond comes from: a place of the list, or behind those one that waits; and where its
-  /// ends are.
+  /// Source of a bond: a place of the list or, behind those, of the waiting bonds; and the rows of
+  /// its ends.
   struct Place {
     std::uint32_t group, first, second, source;
   };
-  /// Lays the bonds out anew by `order`, which is sorted here.
+  /// Lays the bonds out in the order of `order`, which is sorted here.
   void lay_out(std::vector<Place>& order) {
     std::sort(order.begin(), order.end(), [](const Place& a, const Place& b) {
       return std::tie(a.group, a.first, a.second) < std::tie(b.group, b.first, b.second);
@@ -281,7 +282,7 @@ class BondList {
 
   PairGroups groups_;
   std::vector<Group> group_;
-  std::deque<Bond> waiting_;  // that have come since
+  std::deque<Bond> waiting_;  // added since the last sorting
   std::vector<Ids> ids_;
   std::vector<std::uint32_t> first_, second_;  // rows of the ends
   BondColumnsOf<Model, W> columns_;

@@ -10,9 +10,9 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The pairs of spheres in a box under shear, by a search that knows no images: it looks at the
-/// spheres and at those images of them that may touch one. Of two images H n and -H n one is
-/// enough; every pair is found once.
+/// Pairs of spheres in a sheared periodic box, found by a search that does not know images: it is
+/// given the spheres and those of their images that may touch a sphere. Of two images H n and -H n
+/// one suffices; every pair is found once.
 class BoxImages {
  public:
   /// `rows` lie inside domain.box().
@@ -32,7 +32,7 @@ class BoxImages {
     }
     found.resize(kept);
     const double shortest = std::min({domain.length(0), domain.length(1), domain.length(2)});
-    if (shortest > 4 * largest_radius) return;  // else a sphere may be near by two images
+    if (shortest > 4 * largest_radius) return;  // else two images may be near
     const auto before = [](const IndexPair& p, const IndexPair& q) {
       return p.a != q.a ? p.a < q.a : p.b < q.b;
     };
@@ -64,7 +64,7 @@ class BoxImages {
   }
 
   std::vector<PositionRow> all_;
-  std::vector<std::uint32_t> of_;  // whose images they are
+  std::vector<std::uint32_t> of_;  // sphere of each image
 };
 
 }  // namespace silt::detail

@@ -27,7 +27,7 @@ void NearLists<Composition, Pairs, Walls, Mover>::find_pairs(const Scene& scene,
   if (!is_found) find_near(scene, search);
   pairs.set_outer(found_, scene.particles, before, scene.team);
   if constexpr (State::of_ranks) pairs.take_in(change_.pairs_brought(rows_of(scene)));
-  if (found_.size() > 1000000) found_ = {};  // its memory would lie idle until the next search
+  if (found_.size() > 1000000) found_ = {};  // unused until the next search
   const double of_walls = upkeep.outer_wall + scene.range / 2;
   find_walls(scene, of_walls);
   if constexpr (State::of_ranks) scene.ranks.meet("a search");

@@ -9,19 +9,21 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// How a DeformingBox has deformed since the last search and the last pruning.
+/// Deformation of a DeformingBox since the last search and the last pruning.
 ///
 /// Let F be the deformation since then, an affine map of space and of all images alike, and s <= 1
-/// a bound of how much it shrinks a distance: |F u| >= s |u|. Sphere i is at F y_i, and y_i has
-/// moved by no more than U_i, the sum over the steps of |c_i| dt/s, c_i its velocity relative to
-/// the flow. Two spheres whose centres were at least R_i + q_i + R_j + q_j apart (R: the radius,
-/// and half the law's range) then are at least s (R_i + q_i - U_i + R_j + q_j - U_j) apart, which
+/// a lower bound of how it scales distances: |F u| >= s |u|. Sphere i is at F y_i, and y_i has
+/// moved by no more than U_i, the sum over the steps of |c_i| dt/s, with c_i its velocity relative
+/// to the flow. Two spheres whose centres were at least R_i + q_i + R_j + q_j apart (R: the radius
+/// plus half the law's range) are then at least s (R_i + q_i - U_i + R_j + q_j - U_j) apart, which
 /// is R_i + R_j or more if for each of them
 ///   U_i/q_i + (1/s - 1) R_i/q_i <= 1. (2')
-/// That is (2) of ListUpkeep for images too. Likewise the inner reaches are at most
+/// This is condition (2) of ListUpkeep, and holds for images too. Likewise the inner reaches are at
+/// most
 ///   q_i <= s (s_i - D_i) - (1 - s) R_i,   D_i the displacement of y_i since the search, (1')
-/// in place of (1). Each step shrinks distances by no more than 1 + dt d, d < 0 the least principal
-/// value of the rate of strain, as |(I + dt L) u| >= u (I + dt L) u for unit vectors u.
+/// in place of (1). Each step scales distances by no less than 1 + dt d, where d < 0 is the
+/// smallest principal value of the strain rate, because |(I + dt L) u| >= u (I + dt L) u for unit
+/// vectors u.
 /// Tests: tests/engine/deforming_box.cpp (against brute force at every step).
 struct FlowSince {
   Upper3 map = Upper3::identity();  // F since the search
@@ -30,11 +32,11 @@ struct FlowSince {
 
   void search() { map = Upper3::identity(), searched = pruned = 1; }
   void prune(double largest) { pruned = 1, tightest = largest; }
-  /// After a step that has deformed all by `step`, and shrunk distances by no more than `s`.
+  /// Call after a step that has deformed all by `step` and scaled distances by no less than `s`.
   void follow(const Upper3& step, double s) { map = step * map, searched *= s, pruned *= s; }
-  /// What of the inner reaches the deformation alone has used up [-].
+  /// The share of the inner reaches that the deformation alone has used up [-].
   double used() const { return (1 / pruned - 1) * tightest; }
-  /// What is not left of the outer reach of a sphere [m] that was at `from` and is at `now`.
+  /// The used part [m] of the outer reach of a sphere that was at `from` and is at `now`.
   double spent(double outer, double R, const Vec3d& from, const Vec3d& now,
                const Vec3d& centre) const {
     const Vec3d y = centre + map.inverse() * (now - centre);

@@ -17,19 +17,20 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// When the lists must be renewed so that no contact is missed, with a reach of its own for every
-/// sphere: those that hardly move need hardly any, however fast others are.
+/// When the neighbour lists must be renewed so that no contact is missed. Every sphere has a skin
+/// (reach) of its own: slow spheres need hardly any, however fast others are.
 ///
 /// Let s_i be the outer and q_i the inner reach of sphere i, D_i its displacement since the search
-/// and U_i since the last pruning; S, Q, D', U' the same for the walls. Gaps are counted from where
-/// the law begins to act: from its range on, which is 0 for laws of touch. A pair that is not in
-/// the outer list had a gap of at least s_i + s_j at the search; one of the outer list that was
-/// pruned had at least q_i + q_j at the pruning. Hence
+/// and U_i since the last pruning; S, Q, D', U' the same for the walls. Gaps are counted from the
+/// distance at which the law begins to act: its range, which is 0 for contact laws without
+/// attraction at a distance. A pair that is not in the outer list had a gap of at least s_i + s_j
+/// at the search; one that was pruned from it had a gap of at least q_i + q_j at the pruning. Hence
 ///   (1) if every q_i <= s_i - D_i at the pruning, and Q <= S - D', then at that moment every pair
 ///       outside the inner list had a gap of at least q_i + q_j (a sphere and a wall: q_i + Q);
 ///   (2) as long as U_i < q_i for all i, and U' <= Q, none of them touches, or comes within range.
-/// U_i/q_i is bounded by the sum over steps of max_i (|v_i| dt/q_i): one multiplication a particle.
-/// D_i is measured exactly, at each pruning. (2) is checked before the forces of every step.
+/// U_i/q_i is bounded by the sum over steps of max_i (|v_i| dt/q_i): one multiplication per
+/// particle and step. D_i is measured exactly, at each pruning. (2) is checked before the forces of
+/// every step.
 /// Tests: tests/engine/list_upkeep.cpp (against brute force at every step).
 class ListUpkeep {
  public:
@@ -37,17 +38,17 @@ class ListUpkeep {
   AlignedVector<double> inner;                    // [m] q_i
   AlignedVector<double> per_inner2;               // [1/m2] 1/q_i^2
   double outer_wall = 0, inner_wall = 0;          // [m] S and Q
-  double used = 0;                                // [-] bound of the largest U_i/q_i
+  double used = 0;                                // [-] upper bound of the largest U_i/q_i
   std::int64_t pruned_at = -1, searched_at = -1;  // [steps]
-  /// For how long [s] the lists shall hold, and the bounds of the reaches [m].
+  /// The intended lifetimes [s] of the lists, and the bounds of the reaches [m].
   struct Plan {
     double outer_time, inner_time, least_outer, most_outer, least_inner, most_inner;
   } plan{};
 
-  /// Sphere k has grown by `radius` [m], and its centre was moved so that with the growth it
-  /// reaches farther by up to `reach` [m], while D_k has that way in it: s_k loses `radius`, so
-  /// that (1) goes on to hold, and q_k loses `reach`. What was used of the q_i was so much of the
-  /// old q_k, and is more of the new one. False if too little is left of either.
+  /// Call when sphere k has grown by `radius` [m] and its centre was moved, so that its surface is
+  /// up to `reach` [m] farther out. D_k already includes the move. s_k is reduced by `radius`, so
+  /// that (1) still holds, and q_k by `reach`; the used share of q_k is scaled to the smaller
+  /// value. Returns false if too little is left of either.
   bool charge(std::size_t k, double radius, double reach) {
     outer[k] -= std::max(radius, 0.0);
     if (reach <= 0) return true;
@@ -60,21 +61,21 @@ class ListUpkeep {
 
   bool inner_holds(double wall_travel) const { return used < 1 && wall_travel <= inner_wall; }
 
-  /// For a skin S that the user set, the largest gap of a listed pair: half of it for each sphere;
-  /// a fifth of that for the inner list.
+  /// Sets a skin S given by the user, the largest gap of a listed pair: half of it for each sphere,
+  /// and a fifth of that for the inner list.
   void set_skin(double skin) { plan = {0, 0, skin / 2, skin / 2, skin / 10, skin / 10}; }
 
-  /// Chooses for how long both lists shall hold, for spheres of mean diameter d [m] that may move
-  /// at `mean_speed` and spheres and walls at up to `fastest` [m/s]. Minimises the cost a step and
-  /// particle of search, pruning and pairs that do not touch. The constants are nanoseconds, read
-  /// off a profile of the hopper's discharge; they set the speed alone.
+  /// Chooses the lifetimes of both lists for spheres of mean diameter d [m] that may move at
+  /// `mean_speed`, and spheres and walls at up to `fastest` [m/s]. It minimises the cost per step
+  /// and particle of searching, pruning and of pairs that do not touch. The constants are
+  /// nanoseconds from a profile of a hopper discharge; they affect the speed only.
   void choose_skins(double d, double mean_speed, double fastest, double time_step) {
     constexpr double search = 150, cell = 30, prune = 15, prune_pair = 8, idle_pair = 8;  // [ns]
-    constexpr double pairs = 2.2, more_pairs = 10;  // a particle; more by gap over diameter
+    constexpr double pairs = 2.2, more_pairs = 10;  // per particle; more per gap over diameter
     plan = {0, 0, 0.03 * d, 0.5 * d, 0.005 * d, 0.25 * d};
     if (!(d > 0)) return;  // there are no spheres
     const double per = slack * time_step / d;
-    const double mean = per * mean_speed, most = per * fastest;  // diameters a step
+    const double mean = per * mean_speed, most = per * fastest;  // diameters per step
     double best = std::numeric_limits<double>::infinity();
     for (double outer_steps = 2; outer_steps < 1e5; outer_steps *= 1.15) {
       const double widest = std::max(0.03, most * outer_steps);
@@ -101,8 +102,8 @@ class ListUpkeep {
     outer_wall = wall_speed < 0 ? 0 : outer_reach(wall_speed);
   }
 
-  /// Sets the inner reaches of particles from ... to-1; false if the outer list is used up: then
-  /// half of what is wanted is more than what displacement(k) [m] has left of the outer reach.
+  /// Sets the inner reaches of particles from ... to-1. Returns false if the outer list is used up:
+  /// if half of the wanted reach exceeds what displacement(k) [m] has left of the outer reach.
   template <class Displacement>
   bool set_inner(std::size_t from, std::size_t to, std::span<const double> speeds,
                  const Displacement& displacement) {
@@ -133,15 +134,15 @@ class ListUpkeep {
   }
 
  private:
-  static constexpr double slack = 1.2;  // reach over what the present speed takes
+  static constexpr double slack = 1.2;  // reach relative to what the present speed needs
 
   double inner_reach(double speed) const {
     return std::clamp(slack * plan.inner_time * speed, plan.least_inner, plan.most_inner);
   }
 };
 
-/// The largest displacement [m] of points of `region` that are carried from pose a to pose b. A
-/// rigid motion is affine, so its displacement is convex and largest at a corner.
+/// The largest displacement [m] of points of `region` moved from pose a to pose b. A rigid motion
+/// is affine, so its displacement is convex and largest at a corner.
 inline double largest_displacement(const Pose& a, const Pose& b, const Box& region) {
   double most = 0;
   for (int corner = 0; corner < 8; ++corner) {
@@ -153,9 +154,9 @@ inline double largest_displacement(const Pose& a, const Pose& b, const Box& regi
   return most;
 }
 
-/// The same of the points of a wall between two of its poses. A driven wall of finite size may turn
-/// fast about itself: only its own points count, which lie within the bounds of its surfaces.
-/// Others may be infinite; of them those count that are in `region` [m].
+/// The same for the points of a wall. A driven wall of finite size may rotate fast about itself;
+/// only its own points count, which lie within the bounds of its surfaces. Of an infinite surface
+/// only the points in `region` [m] count.
 inline double displacement_of(const Wall& wall, const Pose& a, const Pose& b, const Box& region) {
   const Box& own = wall.extent;
   if (!wall.is_driven() || !is_finite(own.min) || !is_finite(own.max))
@@ -169,7 +170,8 @@ inline double displacement_of(const Wall& wall, const Pose& a, const Pose& b, co
   return most;
 }
 
-/// The longest way [m] of walls that move in the last step, as displacement_of(), with images.
+/// The largest displacement [m] of moving walls in the last step, as displacement_of(), with
+/// images.
 inline double longest_way(std::span<const Wall> walls, const Box& region, const Vec3d& period) {
   double most = 0;
   for (const Wall& w : walls)
@@ -179,10 +181,10 @@ inline double longest_way(std::span<const Wall> walls, const Box& region, const 
   return most;
 }
 
-/// Poses of all walls at one instant, to measure their motion since.
+/// Poses of all walls at one instant, from which their later motion is measured.
 class WallMarks {
  public:
-  Vec3d period{0, 0, 0};  // [m] lengths of a box that walls repeat with, 0 where they do not
+  Vec3d period{0, 0, 0};  // [m] lengths of a box that walls repeat with; 0 where it is not periodic
   void set(std::span<const Wall> walls, const Box& region) {
     region_ = region;
     poses_.clear();
@@ -192,16 +194,16 @@ class WallMarks {
     double most = 0;
     for (std::size_t w = 0; w < walls.size(); ++w)
       if (walls[w].moves())
-        // Of the points that are in the region now: it is they that spheres there may touch.
+        // Only points that are in the region now can touch spheres there.
         most = std::max(most,
                         displacement_of(walls[w], walls[w].pose, poses_[w], region_of(walls[w])));
     return most;
   }
-  /// Looks at points of this region too.
+  /// Includes the points of this region.
   void include(const Box& region) { region_.include(region); }
   std::span<const Pose> poses() const { return poses_; }
   const Box& region() const { return region_; }
-  /// ... with the points of a wall beyond it whose images may be met in it.
+  /// The region extended by the points of a wall whose images may lie in it.
   Box region_of(const Wall& wall) const { return region_with_images(region_, wall, period); }
   void restore(std::vector<Pose> poses, const Box& region) {
     poses_ = std::move(poses), region_ = region;

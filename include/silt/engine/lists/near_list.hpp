@@ -17,27 +17,27 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The pairs of particles (spheres, or whole bodies) that are, or may soon be, within a reach of
-/// each other: Verlet's list with one skin for all. It is renewed when two particles may have come
-/// nearer by the skin, or when places in memory hold other particles than before: after births,
-/// sorting and restarts. Who has left stays in it until then, and is skipped by its user.
+/// The pairs of particles (spheres, or whole bodies) within a given cut-off of each other, or soon
+/// to be: a Verlet list with one skin for all. It is renewed when two particles may have approached
+/// by the skin, or when memory places hold other particles than before (births, sorting, restarts).
+/// Particles that have left stay in it until then and are skipped by the user of the list.
 ///
-/// Each pair is listed once, the lower place first, in ascending order. Pairs beyond the reach add
-/// nothing to a sum, so that results depend neither on the skin nor on when the list was renewed,
-/// and a checkpoint need not keep it.
+/// Each pair is listed once, the lower place first, in ascending order. Pairs beyond the cut-off
+/// add nothing to a sum; results therefore depend neither on the skin nor on when the list was
+/// renewed, and a checkpoint need not store it.
 ///
-/// In a DeformingBox, whose images move against each other, the list is renewed at each look.
+/// In a DeformingBox, whose images move relative to each other, the list is renewed at each use.
 /// Tests: tests/engine/near_pairs.cpp (against brute force at every step).
 template <class Domain>
 class NearList {
  public:
   struct Reach {
     double length = 0;         // [m]
-    bool of_surfaces = false;  // else of centres
+    bool of_surfaces = false;  // between surfaces; else between centres
     bool operator==(const Reach&) const = default;
   };
 
-  /// Makes the list hold now. `name`: of the module, for messages.
+  /// Brings the list up to date. `name`: of the module, for messages.
   template <class Engine>
   void renew(const Engine& e, const Domain& domain, const Reach& reach, const char* name) {
     if (holds(e, domain, reach)) return void(++looks_);
@@ -49,13 +49,13 @@ class NearList {
   }
   std::size_t pairs() const { return second_.size(); }
   double skin() const { return skin_; }
-  /// Whether the particles of a pair that are so far apart [m] are within the reach.
+  /// Whether the particles of a pair at this distance [m] are within the cut-off.
   bool within(double distance2, double radius_a, double radius_b) const {
     const double cutoff = reach_.length + (reach_.of_surfaces ? radius_a + radius_b : 0);
     return distance2 < cutoff * cutoff;
   }
 
-  /// Calls visit(pair, first, second) for each pair, shared between threads.
+  /// Calls visit(pair, first, second) for each pair; pairs are shared between threads.
   template <class Visit>
   void for_each(const Team& team, const Visit& visit) const {
     team.for_ranges(ids_.size(), [&](std::size_t, std::size_t from, std::size_t to) {
@@ -63,8 +63,8 @@ class NearList {
         for (std::size_t p = first_[k]; p < first_[k + 1]; ++p) visit(p, k, second_[p]);
     });
   }
-  /// Calls add(place, pair, sign) for each particle and all its pairs in ascending order of the
-  /// partners; sign 1: it is the first of the pair, -1: the second.
+  /// Calls add(place, pair, sign) for each particle and all its pairs, in ascending order of the
+  /// partners. sign is 1 if the particle is the first of the pair, -1 if it is the second.
   template <class Add>
   void gather(const Team& team, const Add& add) const {
     team.for_ranges(ids_.size(), [&](std::size_t, std::size_t from, std::size_t to) {
@@ -87,8 +87,8 @@ class NearList {
     else
       return d;
   }
-  /// Two particles have come nearer by no more than the sum of their ways, and of their growths
-  /// where surfaces count.
+  /// Two particles have approached by no more than the sum of their displacements, and of their
+  /// growth where the cut-off is between surfaces.
   template <class Engine>
   bool holds(const Engine& e, const Domain& domain, const Reach& reach) const {
     if (deforms<Domain> || e.owners() != ids_.size() || !(reach == reach_)) return false;
@@ -106,8 +106,8 @@ class NearList {
     return 2 * *std::max_element(most.begin(), most.end()) < skin_;
   }
 
-  /// A tenth of the cut-off at first; more where the list lasted for a few looks only, less where
-  /// it lasted long. No result depends on it.
+  /// A tenth of the cut-off at first; increased if the list lasted for only a few steps, decreased
+  /// if it lasted long. Results do not depend on it.
   template <class Engine>
   void choose_skin(const Engine& e, const Domain& domain, const Reach& reach, const char* name) {
     double largest = 0;
@@ -144,7 +144,7 @@ class NearList {
       if (!p.is_there()) continue;
       Vec3d inside = at;
       if constexpr (Domain::periodic) inside = domain.wrapped(at);
-      // Rounding of the wrapped place must not lose a pair.
+      // Rounding of the wrapped position must not lose a pair.
       const double grown =
           (1 + 1e-9) * (reach.length + skin_) / 2 + (reach.of_surfaces ? p.radius() : 0);
       rows_.push_back({inside.x, inside.y, inside.z, grown});
@@ -161,7 +161,8 @@ class NearList {
     else
       grid_.find(SphereSet{rows, largest_}, 0.0, domain, team, found_);
   }
-  /// By the first place, then by the second; and for each place the pairs in which it is second.
+  /// Sorts by the first place, then by the second; stores for each place the pairs whose second
+  /// particle it is.
   void sort(const Team& team) {
     const std::size_t n = ids_.size();
     first_.assign(n + 1, 0), into_first_.assign(n + 1, 0);
@@ -183,17 +184,17 @@ class NearList {
     next_.assign(into_first_.begin(), into_first_.end());
     for (std::size_t p = 0; p < second_.size(); ++p)
       into_[next_[second_[p]]++] = static_cast<std::uint32_t>(p);
-    if (found_.size() > 1000000) found_ = {};  // its memory would lie idle until the next search
+    if (found_.size() > 1000000) found_ = {};  // unused until the next search
   }
 
   Reach reach_;
   double skin_ = 0, share_ = 0.1, largest_ = 0;  // [m], [-] of the cut-off, [m] of grown spheres
   std::size_t looks_ = 0;                        // since the list was made
   std::vector<ParticleId> ids_;                  // at each place, when the list was made
-  std::vector<PositionRow> from_;                // where they were
+  std::vector<PositionRow> from_;                // positions at that time
   std::vector<std::size_t> first_, into_first_, next_;
   std::vector<std::uint32_t> second_, into_;
-  std::vector<PositionRow> rows_;  // those that are there, wrapped and grown
+  std::vector<PositionRow> rows_;  // of the particles present, wrapped and grown
   std::vector<std::uint32_t> places_;
   std::vector<IndexPair> found_;
   HashedGrid grid_;

@@ -24,9 +24,9 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The lists of spheres and walls that may touch soon, and their renewal: how far each sphere
-/// reaches (ListUpkeep), the search, the order of the particles in memory, and pruning. Loops over
-/// particles and pairs are shared between threads; results do not depend on their number.
+/// The lists of spheres and walls that may touch soon, and their renewal: the reach of each sphere
+/// (ListUpkeep), the search, the order of particles in memory, and pruning. Loops over particles
+/// and pairs are shared between threads; results do not depend on the number of threads.
 template <class Composition, class Pairs, class Walls, class Mover>
 class NearLists {
   using State = ParticleState<Composition>;
@@ -34,14 +34,14 @@ class NearLists {
   using Domain = typename Composition::Domain;
 
  public:
-  /// What the lists are of.
+  /// The input of the lists.
   struct Scene {
     State& particles;
     std::span<const Wall> walls;
     const Domain& domain;
     const Team& team;
     double time_step;  // [s]
-    double range;      // [m] gap at which the law still acts, 0 for laws of touch
+    double range;      // [m] gap up to which the law acts; 0 for laws that act in contact only
     RankStage<typename State::Ranks>& ranks;
     Mover& mover;
   };
@@ -59,12 +59,12 @@ class NearLists {
       if (!(upkeep.used + flow.used() < 1)) return false;
     return keeps_list && upkeep.pruned_at >= 0 && upkeep.inner_holds(pruned_walls.travel(now));
   }
-  /// Makes the next step search anew, whatever has moved.
+  /// Forces a search in the next step.
   void forget() { upkeep.searched_at = upkeep.pruned_at = -1; }
-  /// True once after every pruning: then what is derived from the lists must be renewed.
+  /// True once after every pruning: data derived from the lists must then be updated.
   bool take_renewed() { return std::exchange(renewed_, false); }
 
-  /// Prunes or searches, where the lists no longer hold.
+  /// Prunes or searches if the lists are no longer valid.
   void renew(const Scene& scene, Search& search, std::int64_t step) {
     walls.range = scene.range, walls.planes_apart = !State::of_bodies;
     set_period(scene.domain);
@@ -74,7 +74,7 @@ class NearLists {
     if (upkeep.searched_at < 0 || !choose_inner(scene, wall_speed)) {
       find_pairs(scene, search, wall_speed, step);
       upkeep.searched_at = step;
-      anticipate_speeds(scene);  // with the new neighbours
+      anticipate_speeds(scene);  // using the new neighbours
       choose_inner(scene, wall_speed);
     }
     if constexpr (State::of_ranks) scene.ranks.share(upkeep.inner);
@@ -82,9 +82,8 @@ class NearLists {
     upkeep.pruned_at = step;
   }
 
-  /// Adds the rows from `first` on, which are new. A few are added to the lists as they stand; if
-  /// many have come since the search, or one reaches farther than all before, the next step
-  /// searches.
+  /// Adds the new rows, from `first` on. A few are added to the present lists; if many have come
+  /// since the search, or one has a larger reach than all before, the next step searches.
   void join(const Scene& scene, std::size_t first) {
     if constexpr (flows || State::of_ranks) return forget();
     const std::size_t n = scene.particles.size();
@@ -109,8 +108,8 @@ class NearLists {
     renewed_ = true;
   }
 
-  /// Adds pairs that were left out so far because of their bonds, which have just broken. Their
-  /// histories are kept even if the next step searches.
+  /// Adds pairs that were excluded because of bonds which have just broken. Their histories are
+  /// kept even if the next step searches.
   void join_pairs(const Scene& scene, std::span<const IndexPair> broken,
                   const typename Pairs::Memory& start) {
     std::vector<NewPair> more;
@@ -130,8 +129,8 @@ class NearLists {
     renewed_ = true;
   }
 
-  /// To be called after row k has grown (ListUpkeep::charge()). If too little is left of its
-  /// reaches, the next step prunes or searches.
+  /// Must be called after row k has grown (ListUpkeep::charge()). If too little of its reaches is
+  /// left, the next step prunes or searches.
   void follow_growth(const Scene& scene, std::size_t k, double radius, double reach) {
     if (!hold_pairs() || k >= upkeep.outer.size()) return;
     if (scene.range > walls.range || flows) return forget();
@@ -140,7 +139,7 @@ class NearLists {
       upkeep.inner[k] = upkeep.per_inner2[k] = 0, upkeep.used = 1;
     }
   }
-  /// To be called after other properties of rows have changed.
+  /// Must be called after other properties of rows have changed.
   void follow_change() { renewed_ = upkeep.pruned_at >= 0; }
 
   /// Sets the period of walls that repeat with the box.
@@ -166,8 +165,8 @@ class NearLists {
   // --- newcomers ----------------------------------------------------------------------------
 
   bool hold_pairs() const { return keeps_list && upkeep.pruned_at >= 0; }
-  /// The most rows with few enough newcomers: their pairs are in the groups of the last rows, which
-  /// one thread computes.
+  /// Up to this number of rows a search is not needed for newcomers; their pairs are in the groups
+  /// of the last rows, which one thread computes.
   static std::size_t most_with_newcomers(std::size_t before) { return before + before / 64 + 8; }
 
   void join_walls(const Scene& scene, std::size_t first) {
@@ -187,15 +186,15 @@ class NearLists {
     walls.prune(scene.walls, scene.particles.position.data(), upkeep.inner.data(),
                 upkeep.inner_wall + travelled + scene.range, scene.team);
   }
-  /// The same between two prunings. A wall's way is its displacement since the last pruning: it may
-  /// go back by that much, and as far again to the other side.
+  /// The same between two prunings. A wall's displacement since the last pruning counts twice: it
+  /// may return, and move as far to the other side.
   void prune_walls_again(const Scene& scene) {
     prune_walls(scene, pruned_walls.travel(scene.walls));
   }
 
-  // --- how far the lists reach --------------------------------------------------------------
+  // --- reaches of the lists -----------------------------------------------------------------
 
-  /// The speeds [m/s] that particles may soon have: their own, or most of that of the fastest
+  /// The speeds [m/s] that particles may soon reach: their own, or most of the speed of the fastest
   /// neighbour, which may hit them.
   void anticipate_speeds(const Scene& scene) {
     constexpr double passed_on = 0.75;
@@ -245,8 +244,8 @@ class NearLists {
     }
   }
 
-  /// Grows spheres by their outer reaches and half the law's range. The outer list has the pairs
-  /// that then overlap.
+  /// Grows spheres by their outer reaches and half the law's range. The outer list contains the
+  /// pairs that overlap then.
   void reach_out(const Scene& scene, double wall_speed) {
     const std::size_t n = scene.particles.size();
     upkeep.outer.resize(n), grown_.resize(n);
@@ -263,7 +262,7 @@ class NearLists {
     upkeep.set_outer_wall(wall_speed);
   }
 
-  /// Chooses the inner reaches; false if the outer list does not hold for them.
+  /// Chooses the inner reaches; false if the outer list is not valid for them.
   bool choose_inner(const Scene& scene, double wall_speed) {
     const State& particles = scene.particles;
     const std::size_t n = particles.size();
@@ -290,8 +289,8 @@ class NearLists {
 
   // --- search -------------------------------------------------------------------------------
 
-  /// Whether this search sorts the particles by cells. A search at every step would spend more time
-  /// on sorting than it gains.
+  /// Whether this search sorts the particles by cells. Sorting at every step would cost more time
+  /// than it saves.
   static bool is_to_sort([[maybe_unused]] const Search& search, std::int64_t step) {
     if constexpr (keeps_list)
       return search.sort;
@@ -300,19 +299,19 @@ class NearLists {
   }
 
   void find_pairs(const Scene& scene, Search& search, double wall_speed, std::int64_t step);
-  /// Notes the present order of rows. Then removes those that have left and wraps the others into
-  /// a periodic box; on many ranks passes them to the ranks that own their positions.
+  /// Records the present order of rows. Then removes particles that have left and wraps the others
+  /// into a periodic box; with several ranks, sends them to the ranks that own their positions.
   void take_stock(const Scene& scene, std::int64_t step);
   /// The spheres, grown by their reaches.
   SphereSet grown() const {
     return {std::span<const PositionRow>(grown_.data(), grown_.size()), largest_grown_};
   }
-  /// Sorts the rows by cells, if this search does so. Returns whether that has found the pairs too.
+  /// Sorts the rows by cells if this search does so. Returns whether the pairs were found as well.
   bool sort_rows(const Scene& scene, Search& search, std::int64_t step);
   void find_near(const Scene& scene, Search& search);
-  /// Finds spheres near walls, without those that are bonded to the wall.
+  /// Finds spheres near walls, except those bonded to the wall.
   void find_walls(const Scene& scene, double reach);
-  /// Notes the positions of particles and walls, from which their displacements are measured.
+  /// Records the positions of particles and walls, from which displacements are measured.
   void mark_places(const Scene& scene, double of_walls);
 
   void wrap(const Scene& scene);
@@ -369,7 +368,7 @@ class NearLists {
   std::vector<IndexPair> found_;
   std::vector<std::uint32_t> order_, previous_;
   std::vector<double> speeds_, anticipated_;  // [m/s]
-  AlignedVector<PositionRow> grown_;          // radius and outer or inner reach
+  AlignedVector<PositionRow> grown_;          // positions, with radii grown by outer or inner reach
   double largest_grown_ = 0;                  // [m]
   bool first_pruning_ = true, renewed_ = false;
 };

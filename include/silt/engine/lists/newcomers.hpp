@@ -13,30 +13,30 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A pair of which one particle at least has come since the search.
+/// A pair with at least one particle that was added since the search.
 struct NewPair {
   IndexPair pair;
   bool near;  // belongs to the inner list too
 };
 
-/// The pairs of the rows from `first` on, which have come since the search, among themselves and
+/// The pairs of the rows from `first` on, which were added since the search, among themselves and
 /// with all others.
 ///
-/// Let t be now and D_i the displacement of particle i since the search (ListUpkeep has the other
-/// names). A newcomer b counts its D_b from now on. A pair (i, b) is listed unless its gap is at
-/// least s_i + s_b + D_i(t). From t to a later t', particle i moves by no more than D_i(t) +
-/// D_i(t'), so that a pair that is not listed has a gap of at least s_i - D_i(t') + s_b - D_b(t')
-/// then: (1) holds for it at every pruning. It is in the inner list unless its gap is at least q_i
-/// + q_b, and what was used of the reaches before t stays charged to all: (2) holds.
+/// Let t be now and D_i the displacement of particle i since the search (other symbols:
+/// ListUpkeep). For a newcomer b, D_b is counted from now on. A pair (i, b) is listed unless its
+/// gap is at least s_i + s_b + D_i(t). From t to a later t', particle i moves by no more than
+/// D_i(t) + D_i(t'), so a pair that is not listed then has a gap of at least s_i - D_i(t') + s_b -
+/// D_b(t'): (1) holds for it at every pruning. The pair is in the inner list unless its gap is at
+/// least q_i + q_b. The share of the reaches used before t stays charged to all, so that (2) holds.
 ///
-/// One pass over the positions; what is near in x is looked at closer.
+/// One pass over the positions, sorted by x; pairs that are close in x are tested exactly.
 template <class State, class Domain>
 class Newcomers {
  public:
   struct Input {
     const State& particles;
     const ListUpkeep& upkeep;
-    const Vec3d* reference;  // [m] positions at the search; of newcomers those of now
+    const Vec3d* reference;  // [m] positions at the search; for newcomers the present ones
     const Domain& domain;
     double range;  // [m]
   };
@@ -53,7 +53,7 @@ class Newcomers {
     window_ = widest + in.particles.largest_radius + 2 * most + in.range / 2;
   }
 
-  /// In the order of the lower row, whatever the number of threads.
+  /// In the order of the lower row, for any number of threads.
   std::vector<NewPair> pairs(const Team& team) const {
     std::array<std::vector<NewPair>, Team::most_ranges> found;
     team.for_ranges(in_.particles.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
@@ -75,7 +75,7 @@ class Newcomers {
     else
       return p.x;
   }
-  /// [m] radius, and how far a particle reaches for one that comes now.
+  /// [m] radius plus the reach of a particle relative to a newcomer.
   double reach(std::size_t k) const {
     const auto& row = in_.particles.position[k];
     return row.r + in_.upkeep.outer[k] + norm(row.centre() - in_.reference[k]) + in_.range / 2;
@@ -95,7 +95,7 @@ class Newcomers {
     within(x - window_, x + window_);
     if constexpr (Domain::periodic) {
       if (!in_.domain.repeats(0)) return;
-      const double length = in_.domain.length(0);  // what the first window had, no other may have
+      const double length = in_.domain.length(0);  // each pair in one window only
       within(std::max(x - window_ + length, std::nextafter(x + window_, 2 * length)),
              x + window_ + length);
       within(x - window_ - length,
@@ -104,7 +104,7 @@ class Newcomers {
   }
 
   void look(std::uint32_t i, std::uint32_t k, std::vector<NewPair>& found) const {
-    if (k <= i && i >= first_) return;  // once, and not with itself
+    if (k <= i && i >= first_) return;  // each pair once; no particle with itself
     const State& p = in_.particles;
     if constexpr (State::of_bodies)
       if (p.part[i].body == p.part[k].body) return;

@@ -10,7 +10,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The box around the centres of all particles that have not left.
+/// The bounding box of the centres of all particles that have not left.
 template <class State>
 Box occupied_region(const State& particles, const Team& team) {
   std::array<Box, Team::most_ranges> of;
@@ -25,8 +25,8 @@ Box occupied_region(const State& particles, const Team& team) {
   return region;
 }
 
-/// A pair must not act through two faces of a repeating box at once. `range` [m] of the contact
-/// law. Errors: InputError.
+/// Checks that no pair can interact through two faces of a periodic box at once. `range` [m] of the
+/// contact law. Errors: InputError.
 template <class Domain, class State>
 void check_range(const Domain& domain, const State& particles, double range) {
   const double least = 4 * particles.largest_radius + 2 * range;

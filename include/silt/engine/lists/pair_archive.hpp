@@ -13,12 +13,12 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The H numbers that pairs remember, from one list to the next, which a search makes anew: in rows
-/// by the place of the pair's first particle.
+/// Carries the H history values of pairs from one list to the next, which a search creates anew.
+/// They are stored in rows by the place of the pair's first particle.
 template <std::size_t H, class Scalar>
 class PairArchive {
  public:
-  /// Sets aside the history of all touching pairs of a list of so many particles.
+  /// Stores the history of all touching pairs of a list with this number of particles.
   template <class List, class History>
   void keep(const List& list, const History& history, std::size_t particles, const Team& team) {
     if constexpr (H > 0) {
@@ -34,7 +34,8 @@ class PairArchive {
       });
     }
   }
-  /// What a pair remembers that was in no list here, by the old places of its particles.
+  /// History of a pair that was not in a list on this rank, by the previous places of its
+  /// particles.
   struct Brought {
     std::uint32_t a, b;
     std::array<Scalar, H> history;
@@ -56,7 +57,7 @@ class PairArchive {
       end_.assign(begin.begin(), begin.end() - 1);
     }
   }
-  /// Gives place k of a new list what the particles at places a and b of the old one remember.
+  /// Gives place k of a new list the history of the particles at places a and b of the old one.
   template <class History>
   void recall(History& history, std::size_t k, std::uint32_t a, std::uint32_t b) const {
     history.clear(k);

@@ -13,18 +13,16 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Cuts pairs into groups, so that groups of one phase have no particle in common: threads can add
-/// loads to the particles' sums without meeting, in an order that no number of threads changes.
+/// Divides pairs into groups such that groups of one phase have no particle in common: threads can
+/// then add to load sums without conflicts, in an order that does not depend on their number.
 ///
-/// Particles are cut into an even number c of shares of consecutive places. Phase 0: the pairs
-/// within each share. Phases 1 ... c-1: the pairs between two shares, every share against another
-/// as in the rounds of a tournament, where all meet all (circle method). Shares are numbered such
-/// that neighbours meet in the first two rounds: if particles are sorted, other rounds are empty or
-/// small.
+/// Particles are divided into an even number c of shares of consecutive places. Phase 0: the pairs
+/// within each share. Phases 1 ... c-1: the pairs between two shares, paired as in the rounds of a
+/// round-robin tournament (circle method). Shares are numbered such that neighbours meet in the
+/// first two rounds; if particles are sorted in space, the other rounds are empty or small.
 ///
-/// Particles behind the first `particles`, if there are any, are ghosts: of other ranks. Their
-/// shares meet those of the particles in phases of their own, behind all others; two ghosts make no
-/// pair.
+/// Rows behind the first `particles` are ghosts of other ranks. Their shares are paired with those
+/// of the particles in separate phases after all others; two ghosts make no pair.
 class PairGroups {
  public:
   explicit PairGroups(std::size_t particles = 0, std::size_t ghosts = 0)
@@ -60,8 +58,8 @@ class PairGroups {
   }
 
  private:
-  /// Few enough that the layers of particles on both sides of a share's ends, n^(2/3) each, are a
-  /// small part of it; more where all fits into the caches anyway.
+  /// Few enough that the layers of particles at both ends of a share, n^(2/3) each, are a small
+  /// part of it; more if all data fit into the caches anyway.
   static std::size_t shares_for(std::size_t particles) {
     const auto n = static_cast<double>(particles);
     const double wanted = std::max(std::cbrt(n) / 6, std::min(8.0, n / 1024));
@@ -72,7 +70,8 @@ class PairGroups {
   std::size_t ghost_phases() const {
     return ghost_shares_ == 0 ? 0 : std::max(shares_, ghost_shares_);
   }
-  /// In ghost phase k share s meets ghost share t where s + t = k, modulo the number of phases.
+  /// In ghost phase k, share s is paired with ghost share t where s + t = k modulo the number of
+  /// phases.
   std::size_t with_ghost(std::uint32_t particle, std::uint32_t ghost) const {
     const auto behind = static_cast<double>(ghost - first_ghost_);
     const std::size_t t =
@@ -83,8 +82,8 @@ class PairGroups {
     return std::min(static_cast<std::size_t>(particle * shares_a_particle_), shares_ - 1);
   }
 
-  /// Share 0 sits in the middle; the others are numbered 0, 1, -1, 2, -2, ... modulo c-1. In round
-  /// r those meet whose numbers add up to r; the middle meets the one that is left.
+  /// Share 0 is in the middle; the others are numbered 0, 1, -1, 2, -2, ... modulo c-1. In round r
+  /// shares are paired whose numbers add up to r; the middle is paired with the remaining one.
   std::size_t meeting(std::size_t s, std::size_t t) const {
     const std::size_t ring = shares_ - 1;
     const auto number = [ring](std::size_t share) {
@@ -106,11 +105,11 @@ class PairGroups {
   std::size_t first_ghost_ = std::numeric_limits<std::size_t>::max();
 };
 
-/// Which pairs: all, those of two own particles, or those with a ghost.
+/// Which pairs: all, those of two owned particles, or those with a ghost.
 enum class PairsOf { All, Own, Ghosts };
 
-/// The sum of what run(from, to) gives for the places of every group, each on one thread; groups
-/// that share particles one after the other.
+/// The sum of the results of run(from, to) over all groups, each computed by one thread; groups
+/// that share particles run one after the other.
 template <class Tally, PairsOf Which = PairsOf::All, class List, class Run>
 Tally sum_over_groups(const List& list, const Team& team, const Run& run) {
   const PairGroups& groups = list.groups();

@@ -9,16 +9,16 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Which numbers of a history stand in rows: the first `first` of them, and the next `more` in rows
-/// of their own.
+/// Which values of a history are stored in rows: the first `first` of them, and the next `more` in
+/// separate rows.
 struct HistoryRows {
   std::size_t first = 0, more = 0;
 };
 
-/// H numbers for each place of a list. Some of them stand in rows, place by place, for loops that
-/// take some places here and there; the others, the last ones, in columns, number by number, for
-/// loops that take all in turn. The second rows are there only while they are used; else their
-/// numbers are 0.
+/// H history values for each place of a list. Some of them are stored in rows (place by place), for
+/// loops that access scattered places; the others, the last ones, in columns (value by value), for
+/// loops over all places. The second rows are allocated only while they are used; else their values
+/// are 0.
 template <std::size_t H, class Scalar, HistoryRows InRows>
 class PairHistory {
   static constexpr std::size_t first = InRows.first, in_rows = InRows.first + InRows.more;
@@ -35,7 +35,7 @@ class PairHistory {
   Scalar* more_row(std::size_t place) { return more_.data() + place * more_width; }
   const Scalar* more_row(std::size_t place) const { return more_.data() + place * more_width; }
 
-  /// Takes the second rows into use, all 0, or out of it.
+  /// Allocates the second rows, all 0, or releases them.
   void use_more([[maybe_unused]] bool yes) {
     if constexpr (InRows.more > 0) {
       if (yes == uses_more_) return;
@@ -62,7 +62,7 @@ class PairHistory {
         more_row(place)[h] = first + h < in_rows ? values[first + h] : 0;
     for (std::size_t h = in_rows; h < H; ++h) column(h)[place] = values[h];
   }
-  /// As set(), with numbers of another history, or zeros.
+  /// As set(), with the values of another history, or zeros.
   void copy(std::size_t place, const PairHistory* from, std::size_t from_place) {
     if constexpr (first > 0)
       for (std::size_t h = 0; h < width; ++h) row(place)[h] = from ? from->row(from_place)[h] : 0;
@@ -90,7 +90,7 @@ class PairHistory {
     if (uses_more_) make_room(more_, places * more_width);
     for (auto& c : columns_) make_room(c, places);
   }
-  /// As resize(), with what there is kept.
+  /// As resize(), keeping the present values.
   void extend(std::size_t places) {
     rows_.resize(places * width, 0);
     if (uses_more_) more_.resize(places * more_width, 0);

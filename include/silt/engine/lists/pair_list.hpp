@@ -23,16 +23,16 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The pairs of a simulation in two stages, with H Scalars of contact history for each pair, some
-/// of them in rows (PairHistory).
+/// The pairs of a simulation in two lists, with H Scalars of contact history for each pair, some of
+/// them in rows (PairHistory).
 ///
 /// Outer list: all pairs nearer than the skin at the last search, group by group (PairGroups).
 /// Inner list: those of them nearer than the inner skin at the last pruning; only these are
-/// computed. Pruning keeps the order of the outer list, so that history is carried along by a merge
-/// of two ascending sequences, in one linear pass. In a pair, `a` is the particle with the lower
-/// id, so that history never changes its sign. Groups of the inner list begin at whole packs; the
-/// gaps between them hold pairs of two spheres of no radius (indices n, n+1), and so do `ahead`
-/// places behind the last group, for loops that look ahead.
+/// computed. Pruning keeps the order of the outer list, so that histories are transferred by
+/// merging two ascending sequences in one pass. In a pair, `a` is the particle with the lower id,
+/// so that history never changes its sign. Groups of the inner list begin at whole packs; the gaps
+/// between them hold pairs of two dummy spheres of radius 0 (indices n, n+1), and so do `ahead`
+/// places behind the last group, for loops that prefetch.
 template <std::size_t H, class Scalar, HistoryRows InRows = HistoryRows{}>
 class PairList {
   using History = PairHistory<H, Scalar, InRows>;
@@ -48,14 +48,14 @@ class PairList {
     std::size_t size() const { return to - from; }
   };
 
-  /// How many particles there were at the search.
+  /// Number of particles at the search.
   std::size_t grouped() const { return grouped_; }
   std::size_t outer_size() const { return outer_.size(); }
   std::size_t size() const { return size_; }
   std::size_t padded_size() const { return origin_.size(); }
   const PairGroups& groups() const { return groups_; }
   const Group& group(std::size_t g) const { return inner_group_[g]; }
-  /// The part of a phase from its first to its last group that is not empty.
+  /// The part of a phase from its first to its last non-empty group.
   PairGroups::Phase busy(PairGroups::Phase phase) const {
     while (phase.from < phase.to && inner_group_[phase.from].size() == 0) ++phase.from;
     while (phase.from < phase.to && inner_group_[phase.to - 1].size() == 0) --phase.to;
@@ -69,7 +69,7 @@ class PairList {
   }
   Scalar* history_row(std::size_t place) { return history_.row(place); }
   Scalar* more_history_row(std::size_t place) { return history_.more_row(place); }
-  /// Sets the first `numbers` of a history and its second row to 0.
+  /// Sets the first `numbers` values of a history and its second row to 0.
   void forget_contact(std::size_t place, std::size_t numbers) {
     std::fill_n(history_.row(place), numbers, Scalar(0));
     if (history_.uses_more()) std::fill_n(history_.more_row(place), History::more_width, Scalar(0));
@@ -77,8 +77,8 @@ class PairList {
   /// Whether the second rows of histories are in use.
   void use_more_history(bool yes) { history_.use_more(yes); }
 
-  /// Makes the outer list of newly found pairs, without those of two fixed particles or of one
-  /// body. `before`: how many particles there were when the old list was current.
+  /// Makes the outer list from newly found pairs, without those of two fixed particles or of one
+  /// body. `before`: number of particles in the old list.
   template <class State>
   void set_outer(std::span<const IndexPair> found, const State& particles, std::size_t before,
                  const Team& team) {
@@ -93,25 +93,26 @@ class PairList {
     history_.clear();
   }
 
-  /// Adds the histories of pairs whose particles came with the last search, by places before it.
+  /// Adds the histories of pairs whose particles arrived with the last search, by their places
+  /// before it.
   void take_in(std::span<const Brought> more) { archive_.add(more); }
   bool remembers(std::size_t place) const { return history_.remembers(place); }
   Memory memory(std::size_t place) const { return history_.values(place); }
 
-  /// To be called after `more` rows were inserted in front of the ghosts, which begin at `first`:
-  /// histories stay with their pairs until the next search. `particles`: how many there are now.
+  /// Must be called after `more` rows were inserted in front of the ghosts, which begin at `first`:
+  /// histories stay with their pairs until the next search. `particles`: present number of rows.
   void make_way(std::size_t first, std::size_t more, std::size_t particles);
-  /// Adds pairs of particles that have come since the search, with the history `start`. They stand
-  /// at the end of their groups; the inner list has gaps there, so most often nothing is moved.
-  /// `particles`: how many there are now.
+  /// Adds pairs of particles that were added since the search, with the history `start`. They are
+  /// placed at the end of their groups, where the inner list has gaps, so that usually nothing is
+  /// moved. `particles`: present number of rows.
   void join(std::span<const NewPair> more, std::size_t particles,
             const std::array<Scalar, H>& start = {});
 
-  /// Removes the pairs of these rows, which have left, from the inner list. In the outer one they
-  /// will not be near again. `particles`: how many rows there are.
+  /// Removes the pairs of these rows, whose particles have left, from the inner list. In the outer
+  /// list they are never found near again. `particles`: present number of rows.
   void leave(std::span<const std::uint32_t> rows, std::size_t particles);
 
-  /// Calls visit(a, b) for all outer pairs; at the same time only for pairs without a common
+  /// Calls visit(a, b) for all outer pairs; concurrent calls are for pairs without a common
   /// particle.
   template <class Visit>
   void for_each_outer(const Team& team, const Visit& visit) const {
@@ -137,9 +138,9 @@ class PairList {
     }
   }
 
-  /// Makes the inner list of all outer pairs that overlap if the particles are grown by their
-  /// reaches: `grown`. `previous[k]`: the place of particle k before set_outer, if this is the
-  /// first pruning after it; else empty.
+  /// Makes the inner list from all outer pairs that overlap if the particles are grown by their
+  /// reaches (`grown`). `previous[k]`: the place of particle k before set_outer, for the first
+  /// pruning after it; else empty.
   template <class Arch, class Domain>
   void prune(std::span<const PositionRow> grown, const Domain& domain,
              std::span<const std::uint32_t> previous, const Team& team) {
@@ -161,12 +162,12 @@ class PairList {
       for (std::size_t k = g.from; k < g.to; ++k) visit(k);
   }
 
-  /// The lists as they stand, for a checkpoint.
+  /// The present lists, for a checkpoint.
   struct State {
-    std::uint64_t grouped;  // particles at the search, which the groups follow from
-    std::uint64_t owned;    // of them; the others are ghosts
+    std::uint64_t grouped;  // particles at the search, which determines the groups
+    std::uint64_t owned;    // number of owned ones; the others are ghosts
     std::vector<IndexPair> outer;
-    std::vector<std::uint32_t> origin;  // of the inner list, in the outer one
+    std::vector<std::uint32_t> origin;  // place of each inner pair in the outer list
     std::array<std::vector<double>, H> history;
   };
   State state() const {
@@ -177,7 +178,7 @@ class PairList {
     });
     return s;
   }
-  /// Lists of only the pairs with a history, from which the next search goes on.
+  /// Lists of only those pairs that have a history; the next search continues from them.
   static State state_of(std::span<const Brought> pairs, std::size_t particles) {
     const PairGroups groups(particles);
     std::vector<std::uint32_t> order(pairs.size());
@@ -194,7 +195,7 @@ class PairList {
     }
     return s;
   }
-  /// `particles`: as many as the lists are of.
+  /// `particles`: number of particles in the lists.
   void restore(const State& s, std::size_t particles) {
     history_.use_more(true);
     outer_ = s.outer;
@@ -226,7 +227,7 @@ class PairList {
   }
 
  private:
-  static constexpr std::size_t chunk = 4096;  // outer pairs that one thread prunes at a time
+  static constexpr std::size_t chunk = 4096;  // outer pairs pruned by one thread at a time
   struct Chunk {
     std::size_t group, from, to;      // in the outer list
     std::size_t kept = 0, begin = 0;  // in the inner list
@@ -245,14 +246,14 @@ class PairList {
     history_.copy(to, &history_, from);
   }
 
-  /// Makes room for more[g] pairs at the end of each group of the outer list; returns where they
-  /// go.
+  /// Makes room for more[g] pairs at the end of each group of the outer list; returns the places.
   std::vector<std::size_t> make_way_outer(std::span<const std::size_t> more);
-  /// The same in the inner list, whose origins follow what has moved in the outer one.
+  /// The same in the inner list; its origins follow the moves in the outer one.
   std::vector<std::size_t> make_way_inner(std::span<const std::size_t> more,
                                           std::span<const std::size_t> outer_more);
 
-  /// Gives each chunk and group its place in the inner list by what each chunk keeps.
+  /// Assigns each chunk and group its place in the inner list, from the number of pairs that each
+  /// chunk keeps.
   void lay_out() {
     inner_group_.assign(groups_.count(), {});
     std::size_t next = 0, c = 0;
@@ -289,7 +290,7 @@ class PairList {
     std::fill(second_.end() - ahead, second_.end(), static_cast<std::uint32_t>(particles + 1));
   }
 
-  /// Writes the outer pairs of a chunk that are near into kept_; returns how many.
+  /// Writes the near outer pairs of a chunk into kept_; returns their number.
   template <class Arch, class Domain>
   std::size_t keep_near(const Chunk& c, const PositionRow* grown, const Domain& domain) {
     using Real = typename Lanes<Arch>::Real;
@@ -297,7 +298,7 @@ class PairList {
     const auto difference = Row4<Arch>::of(-1, -1, -1, 1);
     std::uint32_t *const begin = kept_.data() + c.from, *next = begin;
     std::size_t k = c.from;
-    for (; k + W <= c.to; k += W) {  // so that the `W` places that are written to are all its own
+    for (; k + W <= c.to; k += W) {  // the W places written to belong to this chunk
       Row4<Arch> rows[W];
       for (std::size_t lane = 0; lane < W; ++lane)
         rows[lane] = Row4<Arch>::load(&grown[outer_[k + lane].a].x) +
@@ -337,14 +338,14 @@ class PairList {
   }
 
   PairGroups groups_;
-  std::size_t grouped_ = 0, owned_ = 0;  // particles that the groups were made for
+  std::size_t grouped_ = 0, owned_ = 0;  // particles for which the groups were made
   std::vector<IndexPair> outer_;
   std::vector<std::size_t> outer_begin_;  // first outer pair of each group
   std::vector<Chunk> chunks_;
   std::vector<std::uint16_t> group_;  // of the pairs found last
   std::vector<std::uint32_t> kept_;
   std::vector<Group> inner_group_;
-  std::size_t size_ = 0;  // pairs without the padding
+  std::size_t size_ = 0;  // number of pairs without padding
   AlignedVector<std::uint32_t> first_, second_;
   std::vector<std::uint32_t> origin_, old_origin_;  // place in the outer list
   History history_, old_history_;

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of PairList: pairs that come and go between two searches.
+// Parts of PairList: adding and removing pairs between two searches.
 
 #include <algorithm>
 #include <array>

@@ -13,19 +13,19 @@
 #include <silt/boundary/wall.hpp>
 #include <silt/engine/lists/wall_candidate.hpp>
 
-/// Which candidates are of spheres near planes at rest and nothing else, and their order.
+/// Which candidates are spheres near planes at rest and near nothing else, and their order.
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Cosine between the normals of two planes from which on one sphere's contacts with both are
-/// looked at together: they may be one contact.
+/// Cosine of the angle between two planes above which one sphere's contacts with both are evaluated
+/// together, because they may be one contact.
 inline constexpr double nearly_one_plane = 0.9;
 
 inline const Plane* plane_at_rest(std::span<const Wall> walls, const WallCandidate& c) {
   return walls[c.wall].moves() ? nullptr : std::get_if<Plane>(&walls[c.wall].surfaces[c.surface]);
 }
 
-/// Whether one sphere's candidates are planes at rest that touch it in places of their own.
+/// Whether all candidates of one sphere are planes at rest that touch it at separate points.
 template <class Candidate>
 bool are_planes(std::span<const Wall> walls, std::span<const Candidate> of_one) {
   for (std::size_t a = 0; a < of_one.size(); ++a) {
@@ -39,12 +39,12 @@ bool are_planes(std::span<const Wall> walls, std::span<const Candidate> of_one) 
   return true;
 }
 
-/// Brings the candidates at planes to the end, in pieces, each plane by plane; without `apart`
-/// there are none. Returns the first candidate of each piece, and the end.
+/// Moves the candidates at planes to the end, in pieces, and plane by plane within a piece; without
+/// `apart` there are none. Returns the first candidate of each piece, and the end.
 template <class Candidate>
 std::vector<std::size_t> put_planes_last(std::span<const Wall> walls, bool apart,
                                          std::vector<Candidate>& all) {
-  constexpr std::size_t piece_size = 256;  // candidates, about
+  constexpr std::size_t piece_size = 256;  // approximate number of candidates
   std::vector<Candidate> others, at_planes;
   std::vector<std::size_t> begin{0};
   for (std::size_t k = 0, next = 0; k < all.size(); k = next) {

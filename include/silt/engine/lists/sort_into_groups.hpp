@@ -14,15 +14,15 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Where pairs go, group by group.
+/// Pairs sorted into groups.
 struct GroupedPairs {
   std::vector<IndexPair>& pairs;
   std::vector<std::size_t>& begin;    // first pair of each group, and the end
-  std::vector<std::uint16_t>& group;  // of each pair as it was found
+  std::vector<std::uint16_t>& group;  // of each pair in the order of the search
 };
 
-/// Sorts pairs by their group, stably, the particle with the lower id first. Pairs of two fixed
-/// particles, of one body, or of a bond, are left out.
+/// Sorts pairs by group (stable), the particle with the lower id first. Pairs of two fixed
+/// particles, of one body, or joined by a bond, are left out.
 template <class State>
 void sort_into_groups(std::span<const IndexPair> found, const State& particles,
                       const PairGroups& groups, const GroupedPairs& out, const Team& team) {
@@ -38,9 +38,9 @@ void sort_into_groups(std::span<const IndexPair> found, const State& particles,
       return groups.count();
     return groups.of(p.a, p.b);
   };
-  const std::size_t count = groups.count() + 1;  // one more for those left out
+  const std::size_t count = groups.count() + 1;  // one more for the pairs left out
   make_room(out.group, found.size());
-  std::vector<std::size_t> next(Team::most_ranges * count, 0);  // of each range and group
+  std::vector<std::size_t> next(Team::most_ranges * count, 0);  // per range and group
   team.for_ranges(found.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
     for (std::size_t k = from; k < to; ++k)
       ++next[r * count + (out.group[k] = static_cast<std::uint16_t>(group_of(found[k])))];

@@ -13,16 +13,16 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A sphere that is near a surface, and the slots that keep its contacts with it.
+/// A sphere near a surface, and the slots that store its contacts with it.
 struct WallCandidate {
   std::uint32_t particle;
   std::uint16_t wall, surface;        // surface of this wall
   std::uint32_t slot;                 // its first slot
-  std::uint32_t facets, facet_count;  // where its triangles stand in the pool, if it is a mesh
-  std::uint32_t origin;               // of one kept by the pruning: its place in the outer list
+  std::uint32_t facets, facet_count;  // its triangles in the pool, if the surface is a mesh
+  std::uint32_t origin;               // in the inner list: its place in the outer list
   auto key() const { return std::tie(particle, wall, surface); }
 };
-/// ... or near an image of it, in a box that repeats. Boxes that do not have the smaller type.
+/// The same for an image of a surface in a periodic box. Non-periodic boxes use the smaller type.
 struct ImageCandidate : WallCandidate {
   WallImage image = 0;
   auto key() const { return std::tie(particle, wall, surface, image); }
@@ -30,7 +30,7 @@ struct ImageCandidate : WallCandidate {
 inline constexpr WallImage image_of(const WallCandidate&) { return 0; }
 inline constexpr WallImage image_of(const ImageCandidate& c) { return c.image; }
 
-/// Slots of spheres that are near one and the same plane at rest.
+/// Slots of spheres that are near the same plane at rest.
 struct PlaneRun {
   std::uint16_t wall, surface;
   Vec3d normal;          // [-] unit
@@ -43,7 +43,7 @@ inline Vec3d in_wall(const Wall& wall, const Vec3d& point) {
   return wall.moves() ? wall.pose.to_body(point) : point;
 }
 
-/// What one range of spheres or candidates gave, with a pool of triangles of its own.
+/// The result of one range of spheres or candidates, with its own pool of triangles.
 template <class Candidate>
 struct WallFinds {
   std::vector<Candidate> candidates;
@@ -56,8 +56,8 @@ struct WallFinds {
     candidates.push_back(c);
   }
 
-  /// Adds the spheres from ... to-1 that are nearer to a surface than `reach` [m], seen where
-  /// `seen` says.
+  /// Adds the spheres from ... to-1 that are nearer to a surface than `reach` [m]; `seen` gives
+  /// their positions relative to the image.
   template <class S, class Seen>
   void search(const S& surface, const Wall& wall, std::size_t w, std::size_t s,
               std::span<const PositionRow> rows, std::size_t from, std::size_t to, double reach,

@@ -20,19 +20,19 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Which spheres are near which surfaces, in two stages like PairList, and H Scalars of history for
-/// each contact with a wall. A candidate has as many slots as the surface can have contacts with
-/// one sphere, or as many as are given here; slots come in blocks that one thread computes at a
-/// time, and all candidates of a sphere stand side by side in one block. Spheres that are near
-/// planes at rest and nothing else, which most are, stand behind all others, one slot a candidate:
-/// cut into pieces that share no sphere, and in a piece plane by plane, so that lanes have the
-/// plane in common. Where a box repeats, a candidate is of one image of the wall; the images of one
-/// surface share their slots, as a contact goes on where one image passes over into the next.
+/// Which spheres are near which surfaces, in two lists like PairList, with H Scalars of history for
+/// each contact with a wall. A candidate has as many slots as its surface can have contacts with
+/// one sphere, or the number given here. Slots form blocks that one thread computes at a time, and
+/// all candidates of a sphere are adjacent in one block. Most wall contacts are of spheres near
+/// planes at rest and nothing else; they come after all others, one slot per candidate, in pieces
+/// that share no sphere. Within a piece they are sorted by plane, so that the lanes of a pack have
+/// the same plane. In a periodic box a candidate belongs to one image of the wall; the images of
+/// one surface share their slots, because a contact continues where one image passes into the next.
 template <std::size_t H, class Scalar, std::size_t PlaneSlots = 0, std::size_t OtherSlots = 0,
           bool Repeats = false>
 class WallContacts {
  public:
-  static constexpr bool repeats = Repeats;  // walls, with a box
+  static constexpr bool repeats = Repeats;  // walls repeat with the periodic box
   using Candidate = std::conditional_t<Repeats, ImageCandidate, WallCandidate>;
   static constexpr std::size_t block = OtherSlots > 4 ? 128 : 64;  // slots
   struct Slot {
@@ -40,7 +40,7 @@ class WallContacts {
     bool touching;              // or within the law's range
     std::uint32_t feature = 0;  // of SolidContact
   };
-  /// What a contact keeps while the lists are made anew.
+  /// What is kept of a contact while the lists are rebuilt.
   struct Kept {
     std::uint32_t particle;
     std::uint16_t wall, surface;
@@ -48,11 +48,11 @@ class WallContacts {
     std::array<Scalar, H> history;
     auto key() const { return std::tie(particle, wall, surface); }
   };
-  double range = 0;          // [m] gap at which the law still acts
-  bool planes_apart = true;  // spheres at planes alone are the PlanePipeline's
-  Vec3d period{0, 0, 0};     // [m] lengths of a box that repeats, 0 where it does not
+  double range = 0;          // [m] gap up to which the law acts
+  bool planes_apart = true;  // spheres at planes only are computed by PlanePipeline
+  Vec3d period{0, 0, 0};     // [m] lengths of a periodic box; 0 where it is not periodic
 
-  /// Where a candidate's wall sees a point [m] that is beside its sphere.
+  /// Position, relative to a candidate's wall or image, of a point [m] given near its sphere.
   Vec3d seen([[maybe_unused]] const Candidate& c, const Vec3d& point) const {
     if constexpr (Repeats)
       if (c.image != 0) return point + way_of(c.image, period);
@@ -79,14 +79,13 @@ class WallContacts {
   std::span<const PlaneRun> runs(std::size_t piece) const {
     return {runs_.data() + run_begin_[piece], run_begin_[piece + 1] - run_begin_[piece]};
   }
-  /// The sphere of a slot in a run; behind the run's end, up to a whole pack, one that is not
-  /// there.
+  /// The sphere of a slot in a run; behind the run's end, up to a whole pack, a dummy sphere.
   const std::uint32_t* at_planes(std::size_t slot) const {
     return at_planes_.data() + (slot - first_plane_slot_);
   }
 
-  /// Finds all spheres nearer than `reach` [m] to a surface, or to one of its images. `nobody`: the
-  /// row of a sphere that is not there.
+  /// Finds all spheres nearer than `reach` [m] to a surface or one of its images. `nobody`: the row
+  /// of the dummy sphere.
   template <class Domain>
   void search(std::span<const Wall> walls, std::span<const PositionRow> rows, double reach,
               std::span<const std::uint32_t> previous, [[maybe_unused]] const Domain& domain,
@@ -103,26 +102,27 @@ class WallContacts {
     collect(outer_, outer_facets_);
   }
 
-  /// Puts the histories of contacts aside; then kept_of() has those of the particle at a place.
+  /// Archives the histories of contacts; kept_of() then returns those of the particle at a place.
   void set_aside() { archive(); }
   std::span<const Kept> kept_of(std::uint32_t particle) const {
     const auto before = [](const Kept& kept, std::uint32_t k) { return kept.particle < k; };
     const auto from = std::lower_bound(archive_.begin(), archive_.end(), particle, before);
     return {from, std::lower_bound(from, archive_.end(), particle + 1, before)};
   }
-  /// Adds the histories of contacts whose particles came with the last search, by places before it.
+  /// Adds the histories of contacts whose particles arrived with the last search, by their places
+  /// before it.
   void take_in(std::span<const Kept> brought) {
     if (brought.empty()) return;
     archive_.insert(archive_.end(), brought.begin(), brought.end());
     std::stable_sort(archive_.begin(), archive_.end(), by_key);
   }
 
-  /// Makes lists of only these contacts, from which the next search goes on.
+  /// Makes lists of only these contacts; the next search continues from them.
   void remember(std::vector<Kept> contacts, std::span<const Wall> walls, std::size_t particles);
 
-  std::vector<Candidate>& found() { return outer_; }  // by the last search, to leave some out
+  std::vector<Candidate>& found() { return outer_; }  // by the last search; some may be removed
 
-  /// Adds the spheres from `first` on, which have come since the search; prune() comes next.
+  /// Adds the spheres from `first` on, which were added since the search; prune() must follow.
   template <class Domain>
   void join(std::span<const Wall> walls, std::span<const PositionRow> rows, std::size_t first,
             double reach, [[maybe_unused]] const Domain& domain) {
@@ -137,7 +137,7 @@ class WallContacts {
     found.clear();
   }
 
-  /// Keeps those candidates that are now nearer than the reaches [m] of sphere and wall; histories
+  /// Keeps the candidates that are now nearer than the reaches [m] of sphere and wall; histories
   /// stay with their contacts.
   void prune(std::span<const Wall> walls, const PositionRow* rows, const double* reach,
              double wall_reach, const Team& team) {
@@ -164,8 +164,8 @@ class WallContacts {
     renewed_ = false;
   }
 
-  /// To be called after the triangles of a wall have changed: no contacts are found there until the
-  /// next search, but they keep their histories.
+  /// Must be called after the triangles of a wall have changed: no contacts are found there until
+  /// the next search, but their histories are kept.
   void forget_facets(std::size_t wall) {
     for (auto* const all : {&outer_, &inner_})
       for (Candidate& c : *all)
@@ -183,10 +183,10 @@ class WallContacts {
   State state() const;
   void restore(State s, std::span<const Wall> walls, std::size_t particles);
 
-  /// Whether the inner candidates of a state are where a pruning puts them, each in slots of its
-  /// own: several threads work on the blocks at a time.
+  /// Whether the inner candidates of a restored state are laid out as by a pruning, each in slots
+  /// of its own. This is required because several threads work on the blocks at a time.
   bool is_laid_out(const State& s, std::span<const Wall> walls) const;
-  /// The weaker condition if walls were removed since the lists were made, and these only tell of
+  /// The weaker condition if walls were removed since the lists were made, and these only describe
   /// past contacts: archive() finds slots for all candidates.
   static bool has_slots(const State& s);
 
@@ -199,7 +199,7 @@ class WallContacts {
   }
 
  private:
-  /// Joins what the ranges found, in their order.
+  /// Joins the results of the ranges, in order.
   void collect(std::vector<Candidate>& candidates, std::vector<std::uint32_t>& facets) {
     candidates.clear(), facets.clear();
     for (WallFinds<Candidate>& found : found_) {
@@ -213,12 +213,13 @@ class WallContacts {
   static constexpr std::size_t padding = 16;  // the widest pack of lanes
   std::size_t planes_from() const { return piece_begin_.front(); }
 
-  /// Brings the candidates at planes to the end, in pieces, each plane by plane.
+  /// Moves the candidates at planes to the end, in pieces, each plane by plane.
   void part_planes(std::span<const Wall> walls) {
     piece_begin_ = put_planes_last(walls, planes_apart, inner_);
   }
-  /// Of a restored state: one that was taken away, or has begun to move, since the lists were made.
-  /// They will be renewed before they are used; contacts with a plane that moves keep their memory.
+  /// For a restored state: a plane that was removed, or has begun to move, since the lists were
+  /// made. The lists are renewed before they are used; contacts with a plane that moves keep their
+  /// history.
   bool is_gone_plane(std::span<const Wall> walls, const WallCandidate& c) {
     if (walls[c.wall].surfaces.empty()) return true;
     if (plane_at_rest(walls, c) != nullptr) return false;
@@ -237,7 +238,7 @@ class WallContacts {
       return slots_of(walls[inner_[k].wall].surfaces[inner_[k].surface]);
     };
     for (std::size_t k = 0; k < planes_from(); ++k) {
-      std::size_t together = count(k);  // slots that must not be parted from this candidate's
+      std::size_t together = count(k);  // slots that must stay in the same block
       if (k == 0 || inner_[k - 1].particle != inner_[k].particle)
         for (std::size_t m = k + 1; m < planes_from() && inner_[m].particle == inner_[k].particle;
              ++m)
@@ -262,7 +263,7 @@ class WallContacts {
     for (auto& h : history_) h.assign(slots_.size(), 0);
   }
 
-  /// Notes the runs, and the sphere of each slot in them.
+  /// Records the runs, and the sphere of each slot in them.
   void lay_out_planes(std::span<const Wall> walls) {
     runs_.clear(), run_begin_.assign(1, 0);
     first_plane_slot_ = planes_from() < inner_.size() ? inner_[planes_from()].slot : slots_.size();
@@ -283,7 +284,7 @@ class WallContacts {
     }
   }
 
-  /// Sets aside all touching contacts, in the order of the outer list: by particle, wall, surface.
+  /// Archives all touching contacts in the order of the outer list: by particle, wall, surface.
   void archive() {
     for (const PlaneRun& run : runs_)
       for (std::size_t s = run.from; s < run.to; ++s)
@@ -314,7 +315,8 @@ class WallContacts {
       if (h[slot] != 0) return true;
     return false;
   }
-  /// Gives kept contacts back to their candidates: to those at all images of a surface together.
+  /// Returns archived contacts to their candidates; the candidates of all images of a surface share
+  /// them.
   void recall() {
     for (std::size_t k = 0, next = 1; k < inner_.size(); k = next++) {
       const Candidate& c = inner_[k];
@@ -340,7 +342,7 @@ class WallContacts {
     }
   }
   static bool by_key(const Kept& a, const Kept& b) { return a.key() < b.key(); }
-  /// The slots of the candidates k ... next-1, which follow each other.
+  /// Number of slots of the candidates k ... next-1.
   std::ptrdiff_t slots_from(std::size_t k, std::size_t next) const {
     const std::size_t end = next < inner_.size() ? inner_[next].slot : slots_.size();
     return static_cast<std::ptrdiff_t>(end - inner_[k].slot);

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of WallContacts: what a checkpoint keeps of them, and lists that are made of it.
+// Parts of WallContacts: its checkpoint state, and lists restored from it.
 
 #include <algorithm>
 #include <array>
@@ -50,7 +50,7 @@ void WallContacts<H, Scalar, PlaneSlots, OtherSlots, Repeats>::restore(State s,
   particles_ = static_cast<std::uint32_t>(particles);
   outer_ = std::move(s.outer), inner_ = std::move(s.inner);
   outer_facets_ = std::move(s.outer_facets), inner_facets_ = std::move(s.inner_facets);
-  // Blocks by the slots as they were: a wall may have lost its surfaces since.
+  // Blocks by the previous slots: a wall may have lost its surfaces since.
   piece_begin_.assign(s.pieces.begin(), s.pieces.end());
   block_begin_.clear();
   for (std::size_t k = 0; k < planes_from(); ++k)

@@ -12,23 +12,25 @@
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
 
-/// Walls in a box that repeats: a particle meets an image of a wall where it meets the wall itself
-/// once it has been moved by whole lengths of the box. So walls stay where they are, and particles
-/// are looked at in several places.
+/// Walls in a periodic box. A particle touches an image of a wall where it would touch the wall
+/// itself after being moved by whole box lengths. So walls stay in place, and particles are tested
+/// at several shifted positions.
 ///
 ///   planes                       do not repeat: they are half spaces
-///   Cylinder, Cone, Side::Inside repeat along their axis: across it an image would fill the drum
-///   everything else              repeats in all directions that the box repeats in
-///   a surface that covers the box in a direction, and all that particles there reach, acts as it
-///   is: it is made to be endless there (or the one image that does, if a motion took it away)
+///   Cylinder, Cone, Side::Inside repeat along their axis only: one beside it would fill the drum
+///   everything else              repeats in all periodic directions
 ///
-/// Units: SI. Errors: InputError for a wall more than a million lengths of the box away.
+/// In a direction in which a surface spans the box, the surface, and all that particles there
+/// reach, acts without images: it is meant to be endless there. If a motion has moved it away, the
+/// one image that spans the box acts.
+///
+/// Units: SI. Errors: InputError for a wall more than a million box lengths away.
 /// Tests: tests/engine/wall_images.cpp
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// By how many lengths of the box along x, y and z a particle is moved, in one number: sums of
-/// these are those of the three, and their order is that of the three. 0: not at all.
+/// The shifts of a particle along x, y and z, in box lengths, packed into one number. Sums and
+/// order of these numbers are those of the three shifts. 0: no shift.
 using WallImage = std::int64_t;
 inline constexpr std::int64_t image_base = std::int64_t{1} << 21;
 
@@ -46,28 +48,28 @@ inline std::array<std::int64_t, 3> lengths_of(WallImage image) {
   n[0] = image;
   return n;
 }
-/// The way [m] that an image moves particles by; `period` [m]: lengths of the box.
+/// The displacement [m] of particles for an image; `period` [m]: lengths of the box.
 inline Vec3d way_of(WallImage image, const Vec3d& period) {
   const auto n = lengths_of(image);
   return {static_cast<double>(n[0]) * period.x, static_cast<double>(n[1]) * period.y,
           static_cast<double>(n[2]) * period.z};
 }
 
-/// Whether a number read from elsewhere is an image in a box of these lengths [m], 0 where it does
-/// not repeat.
+/// Whether a number read from a file is a valid image in a box of these lengths [m] (0 where it is
+/// not periodic).
 inline bool is_wall_image(WallImage image, const Vec3d& period) {
   if (!(-image_limit < image && image < image_limit)) return false;
   const auto n = lengths_of(image);
   return (n[0] == 0 || period.x > 0) && (n[1] == 0 || period.y > 0) && (n[2] == 0 || period.z > 0);
 }
 
-/// Lengths [m] of a box, 0 where it does not repeat.
+/// Lengths [m] of a box; 0 where it is not periodic.
 template <class Domain>
 Vec3d period_of(const Domain& domain) {
   return {domain.length(0), domain.length(1), domain.length(2)};
 }
 
-/// The images at which particles look at a surface.
+/// The range of images at which particles are tested against a surface.
 struct ImageRange {
   std::array<std::int64_t, 3> low{0, 0, 0}, high{0, 0, 0};
 
@@ -82,7 +84,7 @@ struct ImageRange {
 
 inline std::array<double, 3> numbers_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
-/// A surface's bounds [m] where its wall is now. One that is infinite and turned: no bounds.
+/// A surface's bounds [m] at the present pose of its wall. A rotated infinite surface has none.
 inline Box bounds_in_space(const Wall& wall, const Surface& surface) {
   const Box b = visit_surface(surface, [](const auto& s) { return s.bounds(); });
   if (!wall.moves()) return b;
@@ -110,8 +112,8 @@ inline bool repeats_along(const Wall& wall, const Surface& surface, std::size_t 
   return true;
 }
 
-/// The images of a surface that may be met in `region` [m], in which particles are, with all that
-/// they reach.
+/// The images of a surface that may be touched in `region` [m], which contains the particles with
+/// their reaches.
 template <class Domain>
 ImageRange images_of(const Wall& wall, const Surface& surface, const Domain& domain,
                      const Box& region) {
@@ -130,7 +132,7 @@ ImageRange images_of(const Wall& wall, const Surface& surface, const Domain& dom
             " is at ", bounds.min, " to ", bounds.max,
             " m, more than a million lengths of the box away; give it a motion that comes back");
     const auto whole = [](double x) { return static_cast<std::int64_t>(x); };
-    // One that covers all.
+    // A surface that spans the box.
     const double least = std::ceil((from[d] - std::min(low[d], begin[d])) / length);
     const double most = std::floor((to[d] - std::max(high[d], end[d])) / length);
     if (least <= most) {
@@ -143,8 +145,8 @@ ImageRange images_of(const Wall& wall, const Surface& surface, const Domain& dom
   return all;
 }
 
-/// `region` [m], in directions that repeat with all of a wall there whose images may be met in the
-/// region: those points of a moving wall count too.
+/// `region` [m], extended in periodic directions by the whole wall where images of it may lie in
+/// the region: the displacement of those points of a moving wall counts too.
 inline Box region_with_images(const Box& region, const Wall& wall, const Vec3d& period) {
   if (period == Vec3d{0, 0, 0}) return region;
   Box all = region;
@@ -164,7 +166,7 @@ inline Box region_with_images(const Box& region, const Wall& wall, const Vec3d& 
   return all;
 }
 
-/// Where particles are looked at: where they are, or an image's way [m] off.
+/// The position at which a particle is tested: its own, or shifted by an image [m].
 struct SeenHere {
   static constexpr WallImage image = 0;
   const Vec3d& operator()(const Vec3d& point) const { return point; }
@@ -181,12 +183,12 @@ struct SeenElsewhere {
   }
 };
 
-/// Whether two candidates (WallCandidate) are of one sphere and one surface: images share slots.
+/// Whether two candidates (WallCandidate) have the same sphere and surface: images share slots.
 template <class Candidate>
 bool same_surface(const Candidate& a, const Candidate& b) {
   return a.particle == b.particle && a.wall == b.wall && a.surface == b.surface;
 }
-/// One behind the last of those at the same surface as the one at `first`.
+/// The end of the candidates at the same surface as the one at `first`.
 template <class Candidate>
 std::size_t end_of_images(std::span<const Candidate> all, std::size_t first) {
   std::size_t end = first + 1;

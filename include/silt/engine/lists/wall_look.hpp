@@ -11,14 +11,14 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Where particle k was `back` [s] ago.
+/// Position of particle k `back` [s] ago.
 template <class EngineType>
 Vec3d place_before(const EngineType& e, std::size_t k, double back) {
   return e.particles.position[k].centre() - back * e.particles.motion[k].velocity();
 }
 
 /// Calls visit(candidate, point) for every contact of a sphere with one surface of a wall, or one
-/// image of it, the spheres where they were `back` [s] ago.
+/// image of it, at the positions of `back` [s] ago.
 template <class EngineType, class Candidate, class Visit>
 void for_each_contact_with(const EngineType& e, const Candidate& c, double back,
                            const Visit& visit) {
@@ -39,7 +39,7 @@ void for_each_contact_with(const EngineType& e, const Candidate& c, double back,
   });
 }
 
-/// The same for a surface and its images, without the seams between them.
+/// The same for a surface and its images, without seams between them.
 template <class EngineType, class Candidate, class Visit>
 void for_each_contact_of_images(const EngineType& e, std::span<const Candidate> images, double back,
                                 const Visit& visit) {
@@ -60,7 +60,7 @@ void for_each_contact_of_images(const EngineType& e, std::span<const Candidate> 
   }
 }
 
-/// The same for all spheres and walls, but those that were removed since.
+/// The same for all spheres and walls, except spheres removed since.
 template <class EngineType, class Visit>
 void for_each_wall_contact(const EngineType& e, double back, const Visit& visit) {
   const auto all = e.lists.walls.candidates();

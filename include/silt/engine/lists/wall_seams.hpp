@@ -14,19 +14,19 @@
 #include <silt/boundary/wall.hpp>
 #include <silt/engine/lists/wall_candidate.hpp>
 
-/// Where surfaces join, as what spheres see of them: other surfaces, and images of the same.
+/// Seams between surfaces, and between the images of one surface, as seen by spheres.
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A place where a sphere touches a surface.
+/// A point where a sphere touches a surface.
 struct Touch {
-  SurfacePoint point;     // normal in space
-  std::size_t candidate;  // among those of the sphere
-  bool seam;              // belongs to another contact of the sphere
+  SurfacePoint point;     // normal in the space frame
+  std::size_t candidate;  // index among the candidates of the sphere
+  bool seam;              // a duplicate of another contact of the sphere
 };
 
-/// Where two surfaces join, the rim or edge of one lies in the tangent plane of the other: it is
-/// a seam there and no second contact.
+/// Where two surfaces join, the rim or edge of one lies in the tangent plane of the other; it is a
+/// seam and not a second contact.
 inline void drop_seams(std::span<Touch> found, double tolerance) {
   for (std::size_t a = 0; a < found.size(); ++a)
     for (std::size_t b = 0; b < found.size() && !found[a].seam; ++b) {
@@ -38,9 +38,9 @@ inline void drop_seams(std::span<Touch> found, double tolerance) {
     }
 }
 
-/// The same for a surface and its images, of which all of `found` are; as they are one surface, the
-/// deepest stays however little deeper it is. Facets of a mesh that meet at less than its smooth
-/// angle are one, as within the mesh.
+/// The same for a surface and its images, to which all of `found` belong. As they are one surface,
+/// the deepest contact is kept, however small the difference. Mesh facets that meet at less than
+/// the smooth angle count as one, as within the mesh.
 inline void drop_image_seams(std::span<Touch> found, const Surface& surface, double tolerance) {
   const auto* const mesh = std::get_if<std::shared_ptr<const TriangleMesh>>(&surface);
   for (std::size_t a = 0; a < found.size(); ++a)
@@ -54,7 +54,7 @@ inline void drop_image_seams(std::span<Touch> found, const Surface& surface, dou
     }
 }
 
-/// ... surface by surface, of all the places where a sphere touches its candidates.
+/// The same surface by surface, for all points where a sphere touches its candidates.
 template <class Candidate>
 void drop_image_seams(std::span<Touch> found, std::span<const Candidate> candidates,
                       std::span<const Wall> walls, double tolerance) {
@@ -65,7 +65,7 @@ void drop_image_seams(std::span<Touch> found, std::span<const Candidate> candida
   }
 }
 
-/// Which of the images of one surface is nearest to a point [m] beside a sphere.
+/// The image of one surface that is nearest to a point [m] near a sphere.
 template <class Candidate, class Contacts>
 const Candidate& nearest_image(const Vec3d& point, std::span<const Candidate> images,
                                const Wall& wall, const Contacts& contacts) {

@@ -12,11 +12,11 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Finds the spheres that are near surfaces, and where a box repeats near their images.
+/// Finds the spheres near surfaces and, in a periodic box, near their images.
 template <bool Repeats>
 class WallSearch {
  public:
-  /// Which images of each surface may be met by these spheres.
+  /// Determines which images of each surface these spheres may touch.
   template <class Domain>
   void choose(std::span<const Wall> walls, std::span<const PositionRow> rows, double reach,
               const Domain& domain) {
@@ -33,7 +33,7 @@ class WallSearch {
     std::size_t from, to;  // rows
     double reach;          // [m]
   };
-  /// Adds the spheres of a range nearer than its reach to a surface, by sphere.
+  /// Adds the spheres of a range that are nearer than the reach to a surface, sphere by sphere.
   template <class Candidate>
   void find(std::span<const Wall> walls, std::span<const PositionRow> rows, const Range& range,
             [[maybe_unused]] const Vec3d& period, WallFinds<Candidate>& found) const {
@@ -63,7 +63,7 @@ class WallSearch {
   }
 
  private:
-  std::vector<ImageRange> images_;  // of each surface, wall by wall
+  std::vector<ImageRange> images_;  // per surface, wall by wall
 };
 
 }  // namespace silt::detail

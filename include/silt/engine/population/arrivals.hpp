@@ -20,11 +20,11 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The names that an engine's forms have after more of them have come; nothing else is changed yet.
+/// The form names of an engine after further ones are added; nothing else is changed yet.
 struct NamesToCome {
   std::vector<std::string> of;
 
-  /// Whether a form that comes with this name may be form k: no name is another name than one.
+  /// Whether a new form with this name may be the same as form k: an unnamed form matches any name.
   bool may_be(std::size_t k, const std::string& name) const {
     return name.empty() || of[k].empty() || of[k] == name;
   }
@@ -38,10 +38,10 @@ struct NamesToCome {
   }
 };
 
-/// Takes in forms of bodies, but for those that were added already; returns the number of each.
-/// Forms that come together are not compared with each other, so that the first ones keep the
-/// numbers that add_form gave them; and those of two names are two. Spheres have none. InputError,
-/// and nothing has changed: a name that another form has.
+/// Adds forms of bodies, except those added before; returns the number of each. Forms added
+/// together are not compared with each other, so that the first ones keep the numbers that add_form
+/// returned; two forms with different names stay separate. Spheres have no forms. Throws
+/// InputError, with nothing changed, if a name belongs to another form.
 template <class Engine, class ParticlesType>
 std::vector<std::size_t> take_in_forms(Engine& e, const ParticlesType& more) {
   std::vector<std::size_t> numbers;
@@ -67,12 +67,12 @@ std::vector<std::size_t> take_in_forms(Engine& e, const ParticlesType& more) {
   return numbers;
 }
 
-/// What ids come next: of particles, and of the parts of bodies.
+/// The next ids: of particles, and of the parts of bodies.
 struct NextIds {
   ParticleId particle = 0, part = 0;
 };
 
-/// Calls visit(radius [m]) for each row that a particle will have: of a body one a part.
+/// Calls visit(radius [m]) for each row that a particle will have: for a body, one per part.
 template <class Engine, class Particle, class Visit>
 void for_rows_to_come([[maybe_unused]] const Engine& e, const Particle& p,
                       [[maybe_unused]] std::span<const std::size_t> numbers, const Visit& visit) {
@@ -84,7 +84,7 @@ void for_rows_to_come([[maybe_unused]] const Engine& e, const Particle& p,
   }
 }
 
-/// [kg] of a particle that comes, whose form is numbered as those of the engine.
+/// [kg] mass of a new particle, whose form has the engine's number.
 template <class Engine, class Particle>
 double mass_to_come([[maybe_unused]] const Engine& e, const Particle& p) {
   if constexpr (Engine::of_bodies) {
@@ -113,9 +113,8 @@ Body new_body(const Form& form, std::uint32_t number, const Particle& p) {
   return b;
 }
 
-/// Adds particles that have been checked, at the end of all rows; `observed`: between kick and
-/// drift of a step. Forms of bodies are numbered as those of the engine, or `numbers` has the
-/// number of each.
+/// Adds particles that have been checked behind all rows; `observed`: between kick and drift of a
+/// step. Forms of bodies have the engine's numbers, or `numbers` gives the number of each.
 template <class Engine, class Particle>
 void take_in(Engine& e, std::span<const Particle> more,
              [[maybe_unused]] std::span<const std::size_t> numbers, bool observed, NextIds& next) {
@@ -165,18 +164,18 @@ void take_in(Engine& e, std::span<const Particle> more,
   e.particles.measure_newcomers(first_row);
 }
 
-/// The same on many ranks, of which each takes its own; all count all. `takes(place, k)`: whether
-/// the particle k, which is to be at a place [m], is this rank's.
+/// The same on several ranks: each takes its own particles, all count all of them. `takes(place,
+/// k)`: whether particle k at this position [m] is this rank's.
 template <class Engine, class Particle, class Domain, class Takes>
 void take_in_own(Engine& e, std::span<const Particle> more, std::span<const std::size_t> numbers,
                  bool observed, NextIds& next, [[maybe_unused]] const Domain& domain,
                  const Takes& takes_one) {
   auto& p = e.particles;
   const std::size_t before = p.owned();
-  // Newcomers stand behind the ghosts for now, and so do their velocities.
+  // New rows are behind the ghosts for now, and so are their velocities.
   if constexpr (Engine::of_bodies)
     if (observed) e.mover.synchronous.resize(e.mover.bodies.size());
-  // A rank that has none so far knows of sizes what all have agreed on, which stays.
+  // A rank without particles knows only the sizes that all ranks have agreed on; these are kept.
   const bool none = e.ranks.present() == 0;
   double largest = none ? 0 : p.largest_radius,
          smallest = none ? std::numeric_limits<double>::infinity() : p.smallest_radius;
@@ -199,8 +198,8 @@ void take_in_own(Engine& e, std::span<const Particle> more, std::span<const std:
   e.join_own(p.owned() - before);
 }
 
-/// The particles that an inlet brings at these places, with `velocity` [m/s]; bodies turned at
-/// random.
+/// The particles that an inlet creates at these places, with `velocity` [m/s]; bodies with random
+/// orientations.
 template <class Particle>
 std::vector<Particle> particles_at(const std::vector<PlacedSphere>& places,
                                    const std::vector<std::size_t>& kinds, const InletFlow& flow,
@@ -219,8 +218,8 @@ std::vector<Particle> particles_at(const std::vector<PlacedSphere>& places,
   return more;
 }
 
-/// What may meet: the particles that are there and those that inlets will still bring; the walls
-/// that have surfaces.
+/// What may meet: the present particles and those that inlets will still create; the walls that
+/// have surfaces.
 template <class Engine>
 Meetings meetings_of(const Engine& e, const std::vector<Inlet>& inlets, std::size_t materials) {
   Meetings all{std::vector<LightestSpheres>(materials), std::vector<bool>(materials, false),
@@ -265,7 +264,7 @@ Meetings meetings_of(const Engine& e, const std::vector<Inlet>& inlets, std::siz
   return all;
 }
 
-/// An inlet must bring a form that there is.
+/// Checks that the form of an inlet exists.
 template <class Engine>
 void check_form([[maybe_unused]] const Engine& e, const InletFlow& flow) {
   for (std::size_t k = 0; k < flow.kinds(); ++k) {
@@ -278,7 +277,7 @@ void check_form([[maybe_unused]] const Engine& e, const InletFlow& flow) {
       require(form == 0, of, form, ", but spheres have no form; leave it out");
   }
 }
-/// The flow with the number [1/s] that its mass rate is.
+/// The flow with its mass rate converted to particles per second [1/s].
 template <class Engine>
 InletFlow with_number(const Engine& e, InletFlow flow) {
   if (flow.mass_rate == 0) return flow;
@@ -286,10 +285,10 @@ InletFlow with_number(const Engine& e, InletFlow flow) {
   require(flow.rate == 0, "InletFlow.rate = ", flow.rate,
           " [1/s] and InletFlow.mass_rate = ", flow.mass_rate,
           " [kg/s] are both given; give one of them");
-  double mass = 0;  // [kg] in the mean
+  double mass = 0;  // [kg] mean
   for (std::size_t k = 0; k < flow.kinds(); ++k) {
     const InletShare kind = flow.kind(k);
-    double fill;  // [-] volume over that of the bounding sphere
+    double fill;  // [-] volume relative to that of the bounding sphere
     if constexpr (Engine::of_bodies) {
       const auto& form = e.mover.forms.at(kind.form);
       fill = form.mass.volume / sphere_volume(form.radius);

@@ -8,20 +8,21 @@
 
 #include <silt/core/target.hpp>
 
-/// The forms of bodies: first those that users added, which stay, then those of cells of polyhedra
-/// that broke (BodyMotion::cells). A cell's form is that of one fragment. When no body has it any
-/// more, the next cell takes its place: there are as many as fragments at one time.
+/// The forms of bodies: first those that users added, which are permanent, then those of cells from
+/// broken polyhedra (BodyMotion::cells). Each cell form belongs to one fragment; when no body has
+/// it any more it is reused for the next cell, so that their number is the largest number of
+/// fragments at one time.
 /// Tests: tests/breakage/cell_forms.cpp.
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// How many forms users added.
+/// Number of forms that users added.
 template <class Mover>
 std::size_t added_forms(const Mover& mover) {
   return mover.forms.size() - mover.cells;
 }
 
-/// Adds a form behind those that users added before; the numbers of cells grow by 1.
+/// Adds a form behind those of users; the numbers of cell forms increase by 1.
 template <class Mover, class Form>
 void add_form(Mover& mover, const Form& form) {
   const std::size_t number = added_forms(mover);
@@ -31,8 +32,8 @@ void add_form(Mover& mover, const Form& form) {
     if (b.form >= number) ++b.form;
 }
 
-/// Takes in the forms of new cells, which are equal to no other: in the places of those that no
-/// body has, the first ones first, then at the end. Returns the number of each.
+/// Adds the forms of new cells, which are all different: first in the places that no body uses,
+/// lowest first, then at the end. Returns the number of each.
 template <class Mover, class Form>
 std::vector<std::size_t> take_in_cells(Mover& mover, const std::vector<Form>& cells) {
   const std::size_t first = added_forms(mover);

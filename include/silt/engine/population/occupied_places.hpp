@@ -16,7 +16,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Calls visit(p) with a point and its images one box further in the directions that repeat.
+/// Calls visit(p) with a point and its images one box length away in the periodic directions.
 template <class Domain, class Visit>
 void for_images(const Domain& domain, const Vec3d& p, const Visit& visit) {
   if constexpr (Domain::periodic) {
@@ -30,11 +30,11 @@ void for_images(const Domain& domain, const Vec3d& p, const Visit& visit) {
   }
 }
 
-/// What stood in the way of one sphere of an inlet.
+/// What blocked the insertion of one sphere of an inlet.
 struct Obstacles {
-  std::size_t particles = 0;       // [-] places that particles took
-  std::vector<std::size_t> walls;  // [-] that a wall took, of each
-  Vec3d last{0, 0, 0};             // [m] the last place that a particle took
+  std::size_t particles = 0;       // [-] trials blocked by particles
+  std::vector<std::size_t> walls;  // [-] trials blocked by each wall
+  Vec3d last{0, 0, 0};             // [m] the last place blocked by a particle
 
   void hit_wall(std::size_t w) {
     if (walls.size() <= w) walls.resize(w + 1, 0);
@@ -43,8 +43,8 @@ struct Obstacles {
   std::size_t all() const { return std::accumulate(walls.begin(), walls.end(), particles); }
 };
 
-/// Where a sphere of an inlet cannot be: in others, and in walls and their images, behind planes
-/// too; `met` counts what is in the way.
+/// Where a sphere of an inlet cannot be placed: inside other particles, inside walls and their
+/// images, or behind planes; `met` counts the obstacles.
 template <class Domain>
 struct OccupiedPlaces {
   const SphereGrid& spheres;
@@ -92,7 +92,7 @@ struct OccupiedPlaces {
   }
 };
 
-/// "particles 3 and 8": those whose spheres are within `reach` [m] of a place; empty: none is.
+/// "particles 3 and 8": those whose spheres are within `reach` [m] of a place; empty if none is.
 template <class Engine, class Domain>
 [[gnu::cold]] std::string who_is_at(const Engine& engine, const Domain& domain, const Vec3d& place,
                                     double reach) {
@@ -116,7 +116,7 @@ template <class Engine, class Domain>
   return words;
 }
 
-/// Why a sphere of radius `radius` [m] found no place, and what helps.
+/// Why a sphere of radius `radius` [m] could not be placed, and what to change.
 template <class Engine, class Domain>
 [[gnu::cold]] std::string why_no_place(const Engine& engine, const Domain& domain,
                                        const Obstacles& met, std::size_t trials, double radius) {

@@ -18,39 +18,39 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Where particles leave: their centre is inside `region`. Looked at whenever a particle may have
-/// moved by its inner reach (ListUpkeep: at most a quarter of the mean diameter, or a tenth of a
-/// skin that the user set), so that the region must be thicker than that.
+/// An outlet removes particles whose centre is inside `region`. It is checked whenever a particle
+/// may have moved by its inner reach (ListUpkeep: at most a quarter of the mean diameter, or a
+/// tenth of a skin that the user set); the region must be thicker than that.
 struct Outlet {
   Box region;               // [m]
   std::uint64_t count = 0;  // [-] left so far
   double mass = 0;          // [kg] left so far
 };
 
-/// One more kind of particles in the recipe of an inlet.
+/// A further kind of particles in the recipe of an inlet.
 struct InletShare {
-  double share;             // [-] of the number of particles; the inlet's own kind has the rest
+  double share;             // [-] number fraction; the rest is the inlet's own kind
   SizeDistribution radius;  // [m]
   double density;           // [kg/m3]
   std::size_t material = 0, form = 0;
 };
 
-/// What flows in at an inlet. New spheres are placed at random free places of its region, where
-/// they touch neither particles nor walls, every `interval`; those that find none wait for the next
-/// time. At a `mass_rate` the number follows from the mean mass of a particle.
+/// The flow of an inlet. Every `interval`, new spheres are placed at random free positions in its
+/// region, where they touch neither particles nor walls; those without a free position wait for the
+/// next insertion. With a `mass_rate`, the number follows from the mean mass of a particle.
 struct InletFlow {
-  SizeDistribution radius;   // [m] of bodies that of their bounding sphere
+  SizeDistribution radius;   // [m] for bodies, of the bounding sphere
   double density;            // [kg/m3]
-  double rate = 0;           // [1/s] particles a second; or a mass_rate
+  double rate = 0;           // [1/s] particles per second; or use mass_rate
   Vec3d velocity{0, 0, 0};   // [m/s]
-  std::uint64_t total = 0;   // [-] stops after so many; 0: never
+  std::uint64_t total = 0;   // [-] stops after this number; 0: never
   std::size_t material = 0;  // [-] index in the contacts' table
   std::uint64_t seed = 1;
-  std::size_t trials = 200;             // [-] occupied places tried for one sphere
-  double interval = 0;                  // [s] between insertions; 0: a diameter's time of flight
-  std::size_t form = 0;                 // [-] of bodies, which have random orientations
+  std::size_t trials = 200;             // [-] occupied positions tried for one sphere
+  double interval = 0;                  // [s] between insertions; 0: time of flight over a diameter
+  std::size_t form = 0;                 // [-] for bodies, which get random orientations
   double mass_rate = 0;                 // [kg/s] in place of `rate`
-  std::vector<InletShare> recipe = {};  // other kinds of particles that come too
+  std::vector<InletShare> recipe = {};  // further kinds of particles
 
   std::size_t kinds() const { return 1 + recipe.size(); }
   InletShare kind(std::size_t k) const {
@@ -66,7 +66,7 @@ struct InletFlow {
   }
 };
 
-/// An inlet and what it has done: Simulation::inlet().
+/// An inlet and its counters: Simulation::inlet().
 struct Inlet {
   InletFlow flow;
   std::string region;            // in words
@@ -74,14 +74,14 @@ struct Inlet {
   double start = 0;              // [s]
   double interval = 0;           // [s] in use
   std::uint64_t placed = 0;      // [-] so far
-  std::uint64_t waiting = 0;     // [-] due but without a free place at the last insertion
-  std::uint64_t insertions = 0;  // [-] times that it placed particles
+  std::uint64_t waiting = 0;     // [-] due, but without a free position at the last insertion
+  std::uint64_t insertions = 0;  // [-] number of insertions
   Random random{1};
-  std::string obstacle = {};  // why the first one that waits found no place, and what helps
+  std::string obstacle = {};  // why the first waiting particle was not placed, and what to change
   double mass = 0;            // [kg] of the particles placed so far
 
-  /// A sentence on the last insertion: what takes the places, particles (some of them by id), walls
-  /// (by name), or the region itself; empty if all that were due found a place.
+  /// A sentence on the last insertion: what blocked it, particles (some by id), walls (by name), or
+  /// the region itself; empty if all particles that were due have been placed.
   std::string why_waiting() const {
     if (waiting == 0) return {};
     return text("inlet into ", region, ": ", placed, " particles placed, ", waiting,
@@ -137,7 +137,7 @@ class Openings {
   const Outlet& outlet(std::size_t k) const { return at("outlet", outlets_, k); }
   const Inlet& inlet(std::size_t k) const { return at("inlet", inlets_, k); }
   std::vector<Outlet>& outlets() { return outlets_; }
-  /// The first inlet whose region reaches to this place [m].
+  /// The first inlet whose region contains this position [m].
   std::optional<std::size_t> inlet_at(const Vec3d& place) const {
     for (std::size_t k = 0; k < inlets_.size(); ++k)
       if (inlets_[k].bounds.contains(place)) return k;
@@ -147,11 +147,17 @@ class Openings {
   const std::vector<Outlet>& outlets() const { return outlets_; }
   const std::vector<Inlet>& inlets() const { return inlets_; }
 
-  /// Before a step: lets particles out if they may have moved, and in if their time has come.
+  /// Before a step: removes particles at outlets if they may have moved, and inserts those that are
+  /// due.
   template <class Engine, class Sim>
   void update(Engine& engine, Sim& sim) {
     if (!outlets_.empty() && !engine.lists.hold(engine.walls)) let_out(engine, sim);
-    for (std::size_t k = 0; k < inlets_.size(); ++k) let_in(inlets_[k], places_[k], engine, sim);
+    for (std::size_t k = 0; k < inlets_.size(); ++k) {
+      if constexpr (Engine::of_ranks)  // the others wait for this rank's ghosts, if it fails too
+        engine.ranks.until_later([&] { let_in(inlets_[k], places_[k], engine, sim); });
+      else
+        let_in(inlets_[k], places_[k], engine, sim);
+    }
   }
 
  private:
@@ -164,7 +170,7 @@ class Openings {
       const std::vector<Outlet> before = outlets_;
       let_out_own(engine, sim);
       engine.ranks.share_left(outlets_, before);
-      if constexpr (Sim::has_bonds)  // others have bonds and ghosts of those that have left
+      if constexpr (Sim::has_bonds)  // other ranks have their bonds and ghosts
         for (std::size_t k = 0; k < outlets_.size() && engine.ranks.size() > 1; ++k)
           if (outlets_[k].count != before[k].count) engine.lists.forget();
     } else {
@@ -175,7 +181,7 @@ class Openings {
   void let_out_own(Engine& engine, Sim& sim) {
     for (std::size_t k = 0; k < sim.rows(); ++k) {
       if (!sim.is_present(k)) continue;
-      // Between searches a particle may be outside a box that repeats: its image inside counts too.
+      // Between searches a particle may be outside a periodic box: its image inside is tested too.
       const Vec3d p = sim.position(k);
       Vec3d inside = p;
       if constexpr (std::remove_cvref_t<decltype(sim.domain())>::periodic)
@@ -246,7 +252,7 @@ class Openings {
     return 0;
   }
 
-  /// The time in which a sphere moves on by the largest diameter.
+  /// The time in which a sphere travels the largest diameter.
   static double choose_interval(const InletFlow& flow, const Vec3d& gravity) {
     if (flow.interval > 0) return flow.interval;
     const double d = 2 * flow.largest_radius();

@@ -15,8 +15,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The own rows that each rank must have as ghosts, because they may touch one of its particles.
-/// `grown`: the own spheres, grown by their reaches (collective).
+/// The owned rows that each other rank needs as ghosts, because they may touch one of its
+/// particles. `grown`: the owned spheres, grown by their reaches (collective).
 template <class Comm, class Domain>
 std::vector<std::vector<std::uint32_t>> ghosts_in_reach(const Comm& comm,
                                                         std::span<const PositionRow> grown,
@@ -30,7 +30,7 @@ std::vector<std::vector<std::uint32_t>> ghosts_in_reach(const Comm& comm,
   std::vector<std::vector<std::uint32_t>> to(static_cast<std::size_t>(comm.size()));
   for (int r = 0; r < comm.size(); ++r) {
     const auto other = parts[r];
-    if (r == comm.rank() || !(other[0] <= other[3])) continue;  // it has no particles
+    if (r == comm.rank() || !(other[0] <= other[3])) continue;  // that rank has no particles
     const Vec3d centre{(other[0] + other[3]) / 2, (other[1] + other[4]) / 2,
                        (other[2] + other[5]) / 2},
         half{(other[3] - other[0]) / 2, (other[4] - other[1]) / 2, (other[5] - other[2]) / 2};

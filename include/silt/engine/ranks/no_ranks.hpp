@@ -3,7 +3,7 @@
 
 #include <silt/parallel/comm.hpp>
 
-// What simulations on one process see of ranks; the rest comes with silt/ranks.hpp.
+// Declarations for simulations on one process; silt/ranks.hpp has the rest.
 
 namespace silt::inline SILT_TARGET::detail {
 

@@ -11,7 +11,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Values one behind the other, as bytes that travel between ranks of one program.
+/// Values serialised one after the other as bytes, for messages between ranks of one program.
 class Packed {
  public:
   template <class T>
@@ -42,12 +42,12 @@ class Unpacked {
   std::span<const std::byte> bytes_;
 };
 
-/// One row of a table, all columns.
+/// Appends one row of a table, all columns.
 template <class Table>
 void pack_row(Table& table, std::size_t k, Packed& out) {
   for_each_column(table, [&](const auto&, auto& values) { out.put(values[k]); });
 }
-/// Likewise, as a new row.
+/// Reads a row and appends it to the table.
 template <class Table>
 void unpack_row(Table& table, Unpacked& in) {
   for_each_column(table, [&](const auto& c, auto& values) {

@@ -11,18 +11,19 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What two ranks exchange at each step: own rows that the other has as ghosts, and ghosts that the
-/// other owns.
+/// What two ranks exchange in each step: owned rows that are ghosts on the other rank, and ghosts
+/// that the other rank owns.
 struct RankNeighbour {
   int rank;
-  std::vector<std::uint32_t> send;   // own rows
+  std::vector<std::uint32_t> send;   // owned rows
   std::uint32_t first = 0, end = 0;  // ghost rows
-  // Of bodies: the same of them, whose parts the rows are.
+  // For bodies: the bodies to which these rows belong.
   std::vector<std::uint32_t> send_bodies{};
   std::uint32_t first_body = 0, end_body = 0;
 };
 
-/// What is sent of each own row, or body, by get(k), and stored in its ghost by set(k, value).
+/// An exchange of one value per owned row or body, read with get(k) and stored in the ghost with
+/// set(k, value).
 template <class Value, bool OfBodies, class Get, class Set>
 struct PassedRows {
   static constexpr std::size_t bytes = sizeof(Value);
@@ -54,7 +55,7 @@ auto pass_bodies(Get get, Set set) {
   return PassedRows<Value, true, Get, Set>{get, set};
 }
 
-/// Calls visit() with `passed`, and with what fluxes of modules read of rows or bodies, if
+/// Calls visit() with `passed`, and with what the fluxes of modules read of rows or bodies, if
 /// anything.
 template <bool OfBodies, class Columns, class Visit, class... Passed>
 void with_fields([[maybe_unused]] Columns& columns, const Visit& visit, const Passed&... passed) {
@@ -70,7 +71,7 @@ void with_fields([[maybe_unused]] Columns& columns, const Visit& visit, const Pa
     visit(passed...);
   }
 }
-/// Calls visit() with all that ghosts receive at each step.
+/// Calls visit() with all values that ghosts receive in each step.
 template <class State, class Mover, class Visit>
 void with_refreshed(State& particles, [[maybe_unused]] Mover& mover, const Visit& visit) {
   const auto rows = pass_rows<RowState<State, Mover>>(

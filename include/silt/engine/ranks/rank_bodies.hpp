@@ -17,12 +17,12 @@
 #include <silt/engine/ranks/packed.hpp>
 #include <silt/engine/state/body.hpp>
 
-// Particles on many ranks that are bodies: whole ones pass, with the rows of all their parts. Which
-// parts a body has is known on all ranks, as these have the same forms.
+// Bodies on several ranks. They are sent as a whole, with the rows of all their parts. All ranks
+// have the same forms and therefore know the parts of a body.
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Own particles that are there: spheres, or bodies.
+/// Number of owned particles present: spheres, or bodies.
 template <class State>
 std::size_t present_in(const State& particles) {
   if constexpr (State::of_bodies) {
@@ -35,7 +35,7 @@ std::size_t present_in(const State& particles) {
   }
 }
 
-/// Where own particles are, and what work they make, by what the rows' work is.
+/// Positions and work of owned particles, from the work of their rows.
 template <class State, class Mover>
 class OwnParticles {
  public:
@@ -57,7 +57,7 @@ class OwnParticles {
         if (!particles.is_parked(k)) add(k, particles.position[k].centre(), of_rows[k]);
     }
   }
-  /// Of a row that is there: its particle's place in points.
+  /// The index in points of the particle of a present row.
   std::size_t place_of(std::size_t row) const {
     if constexpr (State::of_bodies)
       return place_[particles_.part[row].body];
@@ -74,8 +74,8 @@ class OwnParticles {
   std::vector<std::size_t> place_;
 };
 
-/// What ghosts get of a row at each step. What is computed from a body's state is sent too, not
-/// computed again: then it has the same bits, whatever the compiler does.
+/// What ghosts receive of a row in each step. Quantities computed from a body's state are sent
+/// rather than recomputed, so that they are bitwise equal whatever the compiler does.
 template <class State, class Mover>
 struct RowState {
   PositionRow position;
@@ -93,8 +93,8 @@ template <class State, class Mover>
 requires(Mover::has_levers) struct RowState<State, Mover> {
   PositionRow position;
   typename State::ParticleMotion motion;
-  Quaternion q;      // PoseRow
-  Quaternion lever;  // LeverRow
+  Quaternion q;      // orientation in PoseRow
+  Quaternion lever;  // orientation in LeverRow
   Vec3d offset;
 
   static RowState of(const State& particles, const Mover& mover, std::uint32_t k) {
@@ -126,7 +126,7 @@ requires(State::bonded) struct RowState<State, Mover> {
     particles.renew_pair_motion(k);
   }
 };
-/// What ghosts get of a body at each step.
+/// What ghosts receive of a body in each step.
 struct BodyState {
   Vec3d centre, velocity;
   Quaternion orientation;
@@ -147,7 +147,7 @@ struct BodyState {
   }
 };
 
-/// Adds the rows of the other parts of their bodies to some rows, which are in order.
+/// Adds the rows of the other parts of their bodies to a sorted set of rows.
 template <class State, class Mover>
 void take_whole_bodies(const State& particles, const Mover& mover,
                        std::vector<std::uint32_t>& rows) {
@@ -159,7 +159,7 @@ void take_whole_bodies(const State& particles, const Mover& mover,
     if (!particles.is_parked(k) && is_taken[particles.part[k].body]) rows.push_back(k);
 }
 
-/// The bodies of some rows, in the order of these.
+/// The bodies of some rows, in the same order.
 template <class State>
 std::vector<std::uint32_t> bodies_of_rows(const State& particles,
                                           std::span<const std::uint32_t> rows) {
@@ -171,7 +171,7 @@ std::vector<std::uint32_t> bodies_of_rows(const State& particles,
   return bodies;
 }
 
-/// The bodies of rows that will be packed next.
+/// The bodies of the rows to be packed next.
 template <class State, class Mover>
 void pack_bodies(const State& particles, Mover& mover, std::span<const std::uint32_t> rows,
                  Packed& out) {
@@ -182,7 +182,7 @@ void pack_bodies(const State& particles, Mover& mover, std::span<const std::uint
     pack_row(mover.fluid, b, out), pack_row(mover.modules, b, out);
   }
 }
-/// Takes in bodies that have come. The rows that follow are of them.
+/// Takes in bodies that have arrived, to which the following rows belong.
 template <class Mover>
 class BodiesThatCome {
  public:
@@ -196,12 +196,12 @@ class BodiesThatCome {
   std::uint32_t place_of(std::uint32_t body) const { return places_.at(body); }
 
  private:
-  std::unordered_map<std::uint32_t, std::uint32_t> places_;  // by those on the rank they come from
+  std::unordered_map<std::uint32_t, std::uint32_t> places_;  // by their places on the sending rank
 };
 
-/// What kernels of convex parts read of all rows is what all ranks agree on (collective), so that
-/// two ranks find the same of a pair that both have: the most general exponents; the mean velocity
-/// that speeds are relative to; whether all have one form.
+/// Makes all ranks agree (collective) on values that kernels of convex parts derive from all rows,
+/// so that two ranks treat a shared pair alike: the most general exponents; the mean velocity that
+/// speeds are relative to; whether all bodies have one form.
 template <class Stage, class State, class Mover>
 void agree_on_convex_rows(Stage& ranks, const State& particles, Mover& mover) {
   auto& rows = mover.convex_rows;
@@ -211,7 +211,7 @@ void agree_on_convex_rows(Stage& ranks, const State& particles, Mover& mover) {
   if (!mover.bodies.empty()) {
     const Body& b = mover.bodies.front();
     const auto form = static_cast<double>(b.form);
-    // A rank with several forms says so by numbers that no form has.
+    // A rank with several forms reports that with numbers that no form has.
     most[0] = rows.one_form() ? form : -none, most[1] = rows.one_form() ? -form : -none;
     most[2] = b.scale, most[3] = -b.scale;
   }
@@ -232,7 +232,7 @@ void agree_on_convex_rows(Stage& ranks, const State& particles, Mover& mover) {
   rows.agreed_mean = Vec3d{sum[0], sum[1], sum[2]} * (1 / std::max(sum[3], 1.0));
 }
 
-/// After a search: which bodies pass at each step with the rows that do.
+/// After a search: determines which bodies are sent in each step with their rows.
 template <class Neighbours, class State>
 void follow_bodies(Neighbours& neighbours, const State& particles) {
   for (auto& other : neighbours) {

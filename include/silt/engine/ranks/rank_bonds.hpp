@@ -10,13 +10,13 @@
 #include <silt/engine/ranks/packed.hpp>
 #include <silt/engine/ranks/rank_stage.hpp>
 
-// Bonds on many ranks. A rank keeps the bonds of its own particles, with all that these remember.
-// Of a bond between two ranks both have a copy, with the same bits, as the numbers of a bond do not
-// change; the other particle is among the ghosts, however far it is.
+// Bonds on several ranks. A rank stores the bonds of its own particles with all their data. Both
+// ranks have a copy of a bond between their particles; the copies are bitwise equal, as the numbers
+// of a bond do not change. The other particle is a ghost, however far away it is.
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The bonds of a simulation while a search passes particles on.
+/// The bonds of a simulation while a search migrates particles.
 template <class Stage, class Engine>
 class RankBonds final : public BondsAtSearch {
   using Bond = typename Stage::Bond;
@@ -75,7 +75,7 @@ class RankBonds final : public BondsAtSearch {
     Unpacked from(bytes);
     for (auto n = from.get<std::size_t>(); n > 0; --n) {
       const Bond b = from.get<Bond>();
-      if (held.holds(b.i, b.j)) continue;  // as a bond of the other end, which is here
+      if (held.holds(b.i, b.j)) continue;  // already received with its other end
       held.add(b.i, b.j), stage_.list.add(b);
     }
     for (auto n = from.get<std::size_t>(); n > 0; --n) {
@@ -88,7 +88,7 @@ class RankBonds final : public BondsAtSearch {
       held.freed_at_walls.push_back({id, from.get<std::uint64_t>()});
     }
   }
-  /// Of each rank the own rows at the other end of one of its bonds.
+  /// For each rank, the owned rows at the other ends of its bonds.
   std::vector<std::vector<std::uint32_t>> rows_wanted() const {
     const auto is_own = [&](ParticleId id) { return e_.find(id) < e_.owners(); };
     std::vector<ParticleId> wanted;
@@ -108,7 +108,7 @@ class RankBonds final : public BondsAtSearch {
 
   Stage& stage_;
   Engine& e_;
-  std::vector<Leaving> leaving_;  // to each rank
+  std::vector<Leaving> leaving_;  // per receiving rank
 };
 
 }  // namespace silt::detail

@@ -18,13 +18,13 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What a search on many ranks does with rows before and after it looks for pairs: particles pass
-/// over to the ranks that own their places, with all that their contacts remember; then come the
-/// ghosts.
+/// The migration of rows at a search on several ranks, before and after pairs are found: particles
+/// go to the ranks that own their positions, with the history of their contacts; then ghosts are
+/// exchanged.
 ///
-/// What contacts remember is kept by the places that their particles had before the search
-/// (PairArchive, WallContacts). A particle that was not known here before gets such a place too,
-/// behind all others, and what it brings is put there.
+/// Contact histories are stored by the places of their particles before the search (PairArchive,
+/// WallContacts). A particle that was not known on this rank before also gets such a place, behind
+/// all others, and the histories that it brings are stored there.
 template <class State, class Mover, class Pairs, class Walls>
 class RankChange {
   using Memory = typename Pairs::Memory;
@@ -37,8 +37,8 @@ class RankChange {
   using BroughtPair = typename Pairs::Brought;
   using BroughtWall = typename Walls::Kept;
 
-  /// Rows that each row of a scene has besides its columns: where it was before the search, and
-  /// the speed that is expected of it [m/s].
+  /// Data per row of a scene in addition to its columns: its place before the search, and its
+  /// anticipated speed [m/s].
   struct Rows {
     State& particles;
     Mover& mover;
@@ -47,10 +47,11 @@ class RankChange {
     const Team& team;
   };
 
-  /// Passes the own rows on to the ranks that are to have them (collective). The ghosts go.
+  /// Sends the owned rows to their new ranks (collective). Ghosts are removed.
   template <class Stage>
   void move(Stage& ranks, const Rows& rows, const Pairs& pairs, const Walls& walls,
             std::int64_t step) {
+    const AddsSeconds timed(ranks.seconds.searches);
     State& particles = rows.particles;
     const std::size_t owned = particles.owned(), before = particles.size();
     weigh(pairs, owned);
@@ -81,10 +82,11 @@ class RankChange {
     ++ranks.counts.searches;
   }
 
-  /// Brings the ghosts, behind the own rows, with how far each reaches [m] (collective).
+  /// Receives the ghosts, behind the owned rows, with their reaches [m] (collective).
   template <class Stage, class Domain, class Reaches>
   void add_ghosts(Stage& ranks, const Rows& rows, std::span<const PositionRow> grown,
                   const Domain& domain, Reaches& reaches) {
+    const AddsSeconds timed(ranks.seconds.searches);
     State& particles = rows.particles;
     auto to = choose_ghosts(ranks, rows, grown, domain);
     if constexpr (State::bonded) {
@@ -130,9 +132,9 @@ class RankChange {
     ++particles.changes;
   }
 
-  /// How many places there were before the search, with those of newcomers.
+  /// Number of places before the search, including those of newcomers.
   std::size_t places() const { return next_place_; }
-  /// What pairs of newcomers remember, by those places.
+  /// The pair histories of newcomers, by those places.
   std::vector<BroughtPair> pairs_brought(const Rows& rows) const {
     std::unordered_map<ParticleId, std::uint32_t> place;
     for (const PairMemory& m : pairs_) place[m.a] = place[m.b] = no_place;
@@ -172,8 +174,8 @@ class RankChange {
       particles.part.back().body = bodies.place_of(particles.part.back().body);
   }
 
-  /// ghosts_in_reach(); of bodies all parts. These are looked at where the body has them,
-  /// not wrapped into a periodic box: those that hang out of it would be far from the others.
+  /// ghosts_in_reach(); for bodies with all parts. Parts are tested where the body has them, not
+  /// wrapped into a periodic box, because parts that extend beyond it would be far from the others.
   template <class Stage, class Domain>
   static auto choose_ghosts(Stage& ranks, const Rows& rows, std::span<const PositionRow> grown,
                             const Domain& domain) {
@@ -191,7 +193,7 @@ class RankChange {
     }
   }
 
-  /// The work of each own row: one, and one a pair; half of it where both are of this rank.
+  /// The work of each owned row: 1, plus 0.5 for each pair that it belongs to.
   void weigh(const Pairs& pairs, std::size_t owned) {
     weights_.assign(owned, 1);
     pairs.for_each([&](std::size_t k) {
@@ -201,7 +203,7 @@ class RankChange {
     });
   }
 
-  /// For each rank: its rows, what their pairs remember, and what they remember of walls.
+  /// For each rank: its rows, the histories of their pairs, and their histories at walls.
   template <class Goes>
   void pack(const Rows& rows, std::span<const int> to, const Goes& goes, const Pairs& pairs,
             const Walls& walls, std::vector<Packed>& out) const {
@@ -254,7 +256,7 @@ class RankChange {
     }
   }
 
-  std::unordered_map<ParticleId, std::uint32_t> places_;  // of ghosts and of what went
+  std::unordered_map<ParticleId, std::uint32_t> places_;  // of ghosts and rows sent away
   std::uint32_t next_place_ = 0;
   std::vector<double> weights_;
   std::vector<PairMemory> pairs_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
@@ -26,56 +27,73 @@
 #include <silt/engine/ranks/rank_bodies.hpp>
 #include <silt/engine/ranks/rank_wall_loads.hpp>
 #include <silt/parallel/agree.hpp>
+#include <silt/parallel/rank_load.hpp>
 #include <silt/parallel/ranks.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What has been counted since the start, of this rank.
+/// Counters since the start, for this rank.
 struct RankCounts {
   std::uint64_t searches = 0, partitions = 0;
-  std::uint64_t migrated = 0;             // rows that came from other ranks
-  std::uint64_t messages = 0, bytes = 0;  // sent at the steps and at searches
-  Load load;                              // of all ranks, at the last search, before it
+  std::uint64_t migrated = 0;             // rows received from other ranks
+  std::uint64_t messages = 0, bytes = 0;  // sent in steps and at searches
+  Load load;                              // of all ranks, before the last search
 };
 
-/// The part of bonds in a search, for RankChange, which knows no bond models (RankBonds).
+/// Adds the time from its construction to its destruction.
+class AddsSeconds {
+ public:
+  explicit AddsSeconds(double& seconds) : seconds_(seconds) {}
+  AddsSeconds(const AddsSeconds&) = delete;
+  AddsSeconds& operator=(const AddsSeconds&) = delete;
+  ~AddsSeconds() {
+    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  double& seconds_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// The part of bonds in a search; RankChange calls it without knowing bond models (RankBonds).
 class BondsAtSearch {
  public:
   virtual ~BondsAtSearch() = default;
-  /// Before particles migrate: own row k goes to rank to[k]; -1: it has left.
+  /// Before particles migrate: owned row k goes to rank to[k]; -1: it has left.
   virtual void leave(std::span<const int> to) = 0;
-  /// After that: sends their bonds. Returns for each rank the own rows that it must have as ghosts
+  /// After that: sends their bonds. Returns for each rank the owned rows that it needs as ghosts
   /// (collective).
   virtual std::vector<std::vector<std::uint32_t>> pass() = 0;
 };
 
-/// The engine's part in a run on many ranks: which rank owns which particle, which ghosts it needs,
-/// and what all ranks must agree on. Functions marked as collective must be called by all ranks at
-/// the same point of the program.
+/// The engine's part in a run on several ranks: which rank owns which particle, which ghosts it
+/// needs, and what all ranks must agree on. Functions marked as collective must be called by all
+/// ranks at the same point of the program.
 ///
-/// A rank owns the particles in its part of the space, which the decomposition assigns at each
-/// search. Behind its own rows it has ghosts: copies of other ranks' particles, all that its own
-/// may touch before the next search. A pair of an own particle and a ghost is computed on both
-/// ranks, from the same numbers and in the same orientation (by ids), so both keep the same
-/// history.
+/// A rank owns the particles in its part of space, which the decomposition assigns at each search.
+/// Behind its owned rows it has ghosts: copies of all particles of other ranks that its own
+/// particles may touch before the next search. A pair of an owned particle and a ghost is computed
+/// on both ranks, from the same numbers and in the same orientation (by ids), so both store the
+/// same history.
 template <class Policy>
 class RankStage {
  public:
   static constexpr bool active = true;
-  std::vector<RankNeighbour> neighbours;  // in the order of ranks
+  std::vector<RankNeighbour> neighbours;  // sorted by rank
   RankCounts counts;
+  mutable RankSeconds seconds;                   // since this process began
   std::vector<std::array<double, 2>> of_servos;  // of walls [N/m], [N s/m]: look_at_servos()
   BondsAtSearch* bonds = nullptr;                // while lists are renewed, if there are bonds
 
   void set(Policy policy) { policy_ = std::move(policy); }
   const auto& comm() const { return policy_->comm; }
-  /// Calls work() on each rank; if one throws, all throw that error (collective).
+  /// Calls work() on each rank; if it throws on one rank, all ranks throw that error (collective).
   template <class Work>
   void together(const char* call, const Work& work) const {
     silt::together(policy_->comm, call, [&] { throw_late(), work(); });
   }
-  /// Calls work() without waiting for the other ranks; what it throws is thrown at the next
-  /// collective call, or in the next step.
+  /// Calls work() without waiting for the other ranks; an error is thrown at the next collective
+  /// call, or in the next step.
   template <class Work>
   void until_later(const Work& work) const {
     if (size() == 1) return work();
@@ -88,7 +106,7 @@ class RankStage {
   void throw_late() const {
     if (late_) std::rethrow_exception(std::exchange(late_, nullptr));
   }
-  /// The same; then reduces the numbers that most() returns: each becomes the largest of all ranks.
+  /// The same; then replaces the numbers that most() returns by their maxima over all ranks.
   template <class Work, class Most>
   auto together(const char* call, const Work& work, const Most& most) const {
     is_agreed() = false;
@@ -102,26 +120,27 @@ class RankStage {
     silt::agree(policy_->comm, call, error, all);
     return all;
   }
-  /// Before a message between ranks: if one has failed, all throw its error (collective).
+  /// Called before a message between ranks: if one has failed, all throw its error (collective).
   void meet(const char* call) const {
     silt::agree(policy_->comm, call, std::exchange(late_, nullptr));
   }
-  /// The same with an error of this rank, or none; each number becomes the largest of all ranks.
+  /// The same with an error of this rank, or none; numbers become their maxima over all ranks.
   void agree(const char* call, const std::exception_ptr& error, std::span<double> most) const {
+    const AddsSeconds timed(seconds.agreement);
     const std::exception_ptr before = std::exchange(late_, nullptr);
     silt::agree(policy_->comm, call, before ? before : error, most);
   }
   int rank() const { return policy_->comm.rank(); }
   int size() const { return policy_->comm.size(); }
-  /// This rank's part of `all` things that nobody owns yet: first and end.
+  /// This rank's share of `all` things without an owner: first and end index.
   std::pair<std::size_t, std::size_t> share_of(std::size_t all) const {
     const auto r = static_cast<std::size_t>(rank()), n = static_cast<std::size_t>(size());
     return {all * r / n, all * (r + 1) / n};
   }
 
-  // --- what all agree on (collective) -------------------------------------------------------
+  // --- agreement of all ranks (collective) --------------------------------------------------
 
-  /// The largest of each number.
+  /// The maximum of each number over all ranks.
   void max_of(std::span<double> values) const { policy_->comm.max_of(values); }
   double max_of(double value) const {
     max_of({&value, 1});
@@ -137,7 +156,7 @@ class RankStage {
     for (int r = 0; r < all.ranks(); ++r)
       for (std::size_t k = 0; k < values.size(); ++k) values[k] += all[r][k];
   }
-  /// The largest and lightest of all.
+  /// The largest and lightest particles of all ranks.
   template <class Meetings>
   Meetings union_of_meetings(Meetings own) {
     using Spheres = typename decltype(own.spheres)::value_type;
@@ -152,7 +171,7 @@ class RankStage {
     max_of(ends);
     return {{-ends[0], -ends[1], -ends[2]}, {ends[3], ends[4], ends[5]}};
   }
-  /// The sizes of all particles, on each rank.
+  /// The size statistics of all particles, on each rank.
   template <class State>
   void measure(State& particles) {
     std::array<double, 3> most{particles.largest_radius, -particles.smallest_radius,
@@ -167,14 +186,14 @@ class RankStage {
     particles.mean_diameter = sums[1] > 0 ? sums[0] / sums[1] : 0;
     present_ = static_cast<std::size_t>(sums[2]);
   }
-  /// Particles of all ranks, when they were measured last.
+  /// Number of particles on all ranks, at the last measurement.
   std::size_t present() const { return present_; }
   void count(std::size_t more) { present_ += more; }
   void discount(std::size_t fewer) { present_ -= fewer; }
 
-  // --- at each step (collective) ------------------------------------------------------------
+  // --- in each step (collective) ------------------------------------------------------------
 
-  /// Copies the positions and motions of ghosts from their own ranks: the first call sends, the
+  /// Copies positions and motion of ghosts from their owning ranks: the first call sends, the
   /// second receives.
   template <class State, class Mover>
   void begin_refresh(State& particles, Mover& mover) {
@@ -185,7 +204,7 @@ class RankStage {
     if (under_way_)
       with_refreshed(particles, mover, [this](const auto&... passed) { this->finish(passed...); });
   }
-  /// The same for the numbers of a column.
+  /// The same for the values of a column.
   template <class Column>
   void share(Column& column) {
     const auto passed =
@@ -204,7 +223,7 @@ class RankStage {
   /// RankWallLoads::move_reference()
   void move_reference(std::size_t w, const Vec3d& back) { wall_loads_.move_reference(w, back); }
 
-  // --- what a checkpoint keeps --------------------------------------------------------------
+  // --- checkpoint state ---------------------------------------------------------------------
 
   struct State {
     RankWallLoads loads;
@@ -222,7 +241,7 @@ class RankStage {
     last_step_ = s.last_step, policy_->rebalance.lost = s.lost, policy_->rebalance.moved = s.moved;
   }
   using PartsType = std::remove_cvref_t<decltype(std::declval<Policy&>().parts)>;
-  /// Whether the decomposition has a state to save, by for_each_state(visit).
+  /// Whether the decomposition has a state to save; visits it with for_each_state(visit).
   template <class Visit>
   static constexpr bool tells_parts = std::copyable<PartsType>&& requires(PartsType& parts,
                                                                           Visit& visit) {
@@ -230,13 +249,13 @@ class RankStage {
   };
   const PartsType& parts() const { return policy_->parts; }
   void set_parts(PartsType parts) { policy_->parts = std::move(parts); }
-  /// Divides the space anew at the next search.
+  /// Requests a new division of space at the next search.
   void part_anew() { counts.partitions = 0; }
 
   // --- at a search (collective) -------------------------------------------------------------
 
-  /// The rank that each own row goes to, -1 for those that have left. Bodies are not divided.
-  /// `weights`: the work of each row in a step.
+  /// The new rank of each owned row, -1 for those that have left. Bodies are not divided.
+  /// `weights`: the work of each row per step.
   template <class State, class Mover>
   std::vector<int> choose_ranks(const State& particles, const Mover& mover,
                                 std::span<const double> weights, std::int64_t step) {
@@ -271,7 +290,7 @@ class RankStage {
   }
 
   /// Whether this rank owns a new particle at this position [m]. Before the first search, or if the
-  /// decomposition does not go by position, each rank takes a part of `of` new particles.
+  /// decomposition does not depend on position, each rank takes a share of the `of` new particles.
   bool takes(const Vec3d& place, std::size_t k, std::size_t of) const {
     using Parts = decltype(Policy::parts);
     if constexpr (Parts::by_place)
@@ -279,7 +298,7 @@ class RankStage {
     const auto [from, end] = share_of(of);
     return k >= from && k < end;
   }
-  /// All ranks' particles whose centre, or an image of it, is in a region (collective).
+  /// The particles of all ranks whose centre, or an image of it, is in a region (collective).
   template <class State, class Domain>
   std::vector<PositionRow> all_in(const Box& region, const State& particles,
                                   const Domain& domain) const {
@@ -289,9 +308,10 @@ class RankStage {
       for_images(domain, p.centre(), [&](const Vec3d& image) { is_in |= region.contains(image); });
       if (p.r > 0 && is_in) own.push_back(p);
     }
+    meet("particles in a region");
     return gather(policy_->comm, std::span<const PositionRow>(own)).values;
   }
-  /// Turns what own particles have added to outlets into what those of all ranks have (collective).
+  /// Sums over all ranks what particles have added to outlets (collective).
   template <class Outlets>
   void share_left(Outlets& outlets, const Outlets& before) {
     std::vector<double> left;
@@ -306,14 +326,14 @@ class RankStage {
       present_ -= count;
     }
   }
-  /// To be called after `more` rows were inserted in front of the ghosts.
+  /// Must be called after `more` rows were inserted in front of the ghosts.
   void make_way(std::size_t more) {
     for (RankNeighbour& other : neighbours)
       other.first += static_cast<std::uint32_t>(more),
           other.end += static_cast<std::uint32_t>(more);
   }
 
-  /// Sends each rank its bytes; returns what has come from each (collective).
+  /// Sends each rank its bytes; returns the bytes received from each (collective).
   std::vector<Arrival> pass(std::vector<Packed>& out) {
     std::vector<Outgoing> messages;
     for (std::size_t r = 0; r < out.size(); ++r)
@@ -329,6 +349,7 @@ class RankStage {
   template <class... Passed>
   void begin(const Passed&... passed) {
     if (neighbours.empty()) return;
+    const AddsSeconds timed(seconds.ghosts);
     out_.resize(neighbours.size()), in_.resize(neighbours.size());
     std::vector<Outgoing> sends;
     std::vector<Incoming> receives;
@@ -346,9 +367,10 @@ class RankStage {
     }
     under_way_.emplace(policy_->comm.exchange(sends, receives));
   }
-  /// Receives those of the own ghosts.
+  /// Receives the messages for this rank's ghosts.
   template <class... Passed>
   void finish(const Passed&... passed) {
+    const AddsSeconds timed(seconds.ghosts);
     under_way_->wait();
     under_way_.reset();
     for (std::size_t n = 0; n < neighbours.size(); ++n) {
@@ -361,11 +383,11 @@ class RankStage {
   mutable std::exception_ptr late_;  // until_later()
   RankWallLoads wall_loads_;
   std::size_t present_ = 0;
-  std::int64_t last_step_ = 0;  // in which ranks were chosen
+  std::int64_t last_step_ = 0;  // in which ranks were last assigned
   using Exchange = decltype(std::declval<const decltype(Policy::comm)&>().exchange(
       std::span<const Outgoing>(), std::span<const Incoming>()));
-  std::optional<Exchange> under_way_;
   std::vector<std::vector<std::byte>> out_, in_;
+  std::optional<Exchange> under_way_;  // declared after its buffers, so that it is destroyed first
 };
 
 }  // namespace silt::detail

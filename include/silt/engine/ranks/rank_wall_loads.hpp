@@ -11,17 +11,17 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The loads of walls on many ranks: by this rank's own particles, and by those of all ranks.
+/// The loads of walls on several ranks: by owned particles, and by those of all ranks.
 struct RankWallLoads {
   struct Impulses {
     Vec3d impulse{0, 0, 0}, angular{0, 0, 0};  // [N s], [N m s]
   };
-  std::vector<Impulses> own, shared;  // of walls: by own particles; by all, when last shared
+  std::vector<Impulses> own, shared;  // per wall: by owned particles; by all, when last shared
 
   void resize(std::size_t walls) { own.resize(walls), shared.resize(walls); }
-  /// Turns the loads of walls by own particles into those by the particles of all ranks. Unless
-  /// `all`, only forces and torques of driven walls, which need them at each step. `of_servos`:
-  /// stiffness and damping at walls [N/m], [N s/m]; sum(numbers) makes each the sum over all ranks.
+  /// Sums the loads of walls by owned particles over all ranks. Unless `all` is set, only forces
+  /// and torques of driven walls, which are needed in each step. `of_servos`: stiffness and damping
+  /// at walls [N/m], [N s/m]; sum(numbers) replaces each by its sum over all ranks.
   template <class Walls, class Sum>
   void share(Walls& walls, bool all, std::span<std::array<double, 2>> of_servos, const Sum& sum) {
     resize(walls.size());
@@ -50,8 +50,8 @@ struct RankWallLoads {
     for (std::size_t w = 0; all && w < walls.size(); ++w)
       shared[w] = {walls[w].impulse, walls[w].angular_impulse};
   }
-  /// To be called after the reference point of the loads of wall w has moved; `back` [m] leads to
-  /// the one before.
+  /// Must be called after the reference point of the loads of wall w has moved; `back` [m]: vector
+  /// to the previous one.
   void move_reference(std::size_t w, const Vec3d& back) {
     if (w >= own.size()) return;
     own[w].angular += cross(back, own[w].impulse);

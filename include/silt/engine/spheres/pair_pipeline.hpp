@@ -20,9 +20,9 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Computes the loads of all pairs of the inner list and adds them up: gather rows of both
-/// particles, law over lanes, rows out, sums. Blocks are small enough to stay in the first-level
-/// cache between the stages. Scalar: float or double (Precision).
+/// Computes the loads of all pairs of the inner list and sums them: gathers the rows of both
+/// particles, evaluates the law in SIMD lanes, writes load rows, adds them up. Blocks fit into the
+/// first-level cache between these stages. Scalar: float or double (Precision).
 template <class ContactsType, class Domain, class Arch, class Scalar, class Fluxes = NoFluxes>
 class PairPipeline {
   using Real = typename Lanes<Arch, Scalar>::Real;
@@ -40,16 +40,16 @@ class PairPipeline {
   struct Input {
     const PositionRow* positions;
     const ParticleMotion* motions;
-    const std::uint16_t* kinds;  // place in the coefficient table, if there are several materials
+    const std::uint16_t* kinds;  // index in the coefficient table, if there are several materials
     double largest_radius, smallest_radius;  // [m]
     StepTimes times;
-    bool fetch_ahead;                // the working set is beyond the caches
+    bool fetch_ahead;                // the working set exceeds the caches
     const Scalar* shares = nullptr;  // of each pair's force (SharedContacts), or null
     Fluxes* fluxes = nullptr;        // of modules, if there are any
     bool offsets = true;             // some contacts may have one (WithOffset)
   };
 
-  /// Bytes that a step of `pairs` between `particles` goes through.
+  /// Bytes accessed in a step by `pairs` between `particles`.
   static constexpr std::size_t working_set(std::size_t particles, std::size_t pairs) {
     return particles * (sizeof(PositionRow) + sizeof(ParticleMotion) + row * sizeof(Scalar)) +
            pairs * (2 * sizeof(std::uint32_t) + 2 * ContactsType::history * sizeof(Scalar));
@@ -98,7 +98,7 @@ class PairPipeline {
     return tally.end();
   }
 
-  /// Computes `count` pairs, and those that fill up the last pack, into `rows`.
+  /// Computes `count` pairs, plus the padding of the last pack, into `rows`.
   __attribute__((flatten)) static void run_block(const Input& in, List& list,
                                                  const CoefficientTable<ContactsType>& table,
                                                  const Domain& domain, std::size_t from,
@@ -126,7 +126,7 @@ class PairPipeline {
       tally.sum.virial = tally.sum.virial + virial(in, first, second, padded, kinematics);
     write_rows<ContactsType, Arch>(kinematics, padded, rows);
   }
-  /// Of a block whose loads are known.
+  /// The virial of a block whose loads are known.
   static Upper3 virial(const Input& in, const std::uint32_t* first, const std::uint32_t* second,
                        std::size_t count, const Block& loads) {
     VirialLanes<Real> sums;
@@ -142,9 +142,9 @@ class PairPipeline {
     return sums.sum();
   }
 
-  /// Adds the rows of a block to the sums of its particles. Consecutive pairs often share a
-  /// particle, whose sum would have to travel through memory from one to the next: the order goes
-  /// through the block in strides.
+  /// Adds the load rows of a block to the sums of its particles. Consecutive pairs often share a
+  /// particle, whose sum would be stored and reloaded from one pair to the next; therefore the
+  /// block is traversed in strides.
   static void add_up(const std::uint32_t* first, const std::uint32_t* second, std::size_t count,
                      const Scalar* rows, Scalar* sums) {
     constexpr std::size_t stride = 16;
@@ -155,7 +155,7 @@ class PairPipeline {
       }
   }
 
-  /// Rows of motion of a pack of pairs: {v_a - v_b, 1/m_a + 1/m_b}, and sums of all else.
+  /// Motion of a pack of pairs: {v_a - v_b, 1/m_a + 1/m_b}, and sums of all other columns.
   static SILT_INLINE void motion_between(const ParticleMotion* motions, const std::uint32_t* a,
                                          const std::uint32_t* b, Real (&velocity)[4],
                                          Real (&spin)[4]) {
@@ -182,12 +182,12 @@ class PairPipeline {
     }
   }
 
-  /// Where the spheres of a pack of pairs are to each other.
+  /// Relative position of the spheres of a pack of pairs.
   struct Apart {
     Vec3<Real> d;                   // [m] from the second to the first centre
-    Real distance2, reach, excess;  // [m2], [m] sum of the radii, [m2] its square over distance2
+    Real distance2, reach, excess;  // [m2], [m] sum of the radii, [m2] its square minus distance2
     struct None {};
-    // [m/s] of the image of the second that is meant
+    // [m/s] velocity of the second sphere's image
     [[no_unique_address]] std::conditional_t<deforms<Domain>, Vec3<Real>, None> carried{};
   };
   static SILT_INLINE Apart distances(const Input& in, const std::uint32_t* a,
@@ -235,13 +235,13 @@ class PairPipeline {
     return out;
   }
 
-  // Between the stages of a block its kinematics hold, until they are complete:
+  // Between the stages of a block its kinematics temporarily contain:
   //   normal: d; overlap: excess; m_eff: distance2; change.x: reach;
   //   R_eff: 1/R*, or where spheres do not rotate the radius of the second.
-  // Short loops, one after the other: the processor then works on several packs at a time, while
-  // one pack waits for its square roots and divisions.
+  // The stages are short loops, so that the processor works on several packs at a time while one
+  // pack waits for its square roots and divisions.
 
-  /// Rows of the particles of `count` pairs (whole packs), turned into lanes.
+  /// Transposes the rows of the particles of `count` pairs (whole packs) into lanes.
   static void gather(const Input& in, const std::uint32_t* first, const std::uint32_t* second,
                      const Domain& domain, std::size_t count, const Scalar* sums, Block& out) {
     for (std::size_t k = 0; k < count; k += W) {
@@ -286,7 +286,7 @@ class PairPipeline {
       const Real inverse_mass = kin.inverse_m_eff, inverse_radius = kin.R_eff;
       const Real distance = sqrt(distance2);
 
-      // One division serves all reciprocals, 1/a = b c (1/(a b c)), and waits for no square root.
+      // One division yields all reciprocals, 1/a = b c (1/(a b c)), and depends on no square root.
       const Real lengths = distance2 * reach;
       Real inverse_reach, inverse_distance;
       if constexpr (rotates) {
@@ -302,12 +302,12 @@ class PairPipeline {
       }
       kin.normal = inverse_distance * d;
       if constexpr (single)
-        kin.overlap = excess / (reach + distance);  // their difference would cancel
+        kin.overlap = excess / (reach + distance);  // a difference would suffer from cancellation
       else
         kin.overlap = reach - distance;
       if constexpr (keeps_offset<ContactsType> && Offsets)
         kin.overlap = without_offset(kin.overlap, history[ContactsType::offset_from] + k);
-      // What the crosswise motion changes of the normal in a step, to second order.
+      // The change of the normal in a step due to tangential motion, to second order.
       const Vec3<Real> across = kin.velocity - dot(kin.velocity, kin.normal) * kin.normal;
       kin.change = (time_step * inverse_distance) * across;
       if constexpr (rotates) {
@@ -320,8 +320,9 @@ class PairPipeline {
         silt::store(out.inertia_eff + k, Real(rolling) / load<Real>(out.inertia_eff + k));
       }
 
-      // Overlap over the smaller radius, min(a, b) = a b/max(a, b): here a b = R* (a + b), and the
-      // larger one is at most what the sum leaves. Exactly only where this bound exceeds.
+      // Overlap over the smaller radius, min(a, b) = a b/max(a, b), with a b = R* (a + b) and an
+      // upper bound for max(a, b) from the sum. Computed exactly only where this bound exceeds the
+      // maximum so far.
       constexpr double rounding = 64 * std::numeric_limits<Scalar>::epsilon();
       const Real larger = min(Real(static_cast<Scalar>(in.largest_radius)),
                               reach - Real(static_cast<Scalar>(in.smallest_radius)));
@@ -332,9 +333,8 @@ class PairPipeline {
     return largest;
   }
 
-  /// Asks for the rows of pairs that come later, so that they need not wait for memory then. Of
-  /// each pair only those of the particle with the higher place: the list follows the order of
-  /// particles, so the other one was mostly used a moment ago.
+  /// Prefetches the rows of later pairs. Only the particle with the higher place is fetched: the
+  /// list follows the order of particles, so the other one was usually used recently.
   static SILT_INLINE void fetch(const Input& in, const std::uint32_t* a, const std::uint32_t* b,
                                 const Scalar* sums) {
     for (std::size_t lane = 0; lane < W; ++lane) {
@@ -357,7 +357,8 @@ class PairPipeline {
     return most;
   }
 
-  /// Angular velocity between a pack of pairs, and the sum of 1/(m r^2) in place of the inertia.
+  /// Relative angular velocity of a pack of pairs, and the sum of 1/(m r^2) in place of the
+  /// inertia.
   static SILT_INLINE void gather_rolling(const Input& in, const std::uint32_t* first,
                                          const std::uint32_t* second, std::size_t k, Block& out) {
     read_anew(first), read_anew(second);

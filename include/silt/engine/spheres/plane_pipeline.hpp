@@ -21,22 +21,22 @@ namespace silt::inline SILT_TARGET::detail {
 template <class Scalar>
 class SharedContacts;
 
-/// What contacts with walls are computed from.
+/// Input of the computation of wall contacts.
 template <bool Rotates, class Scalar, class Fluxes>
 struct WallInput {
   const PositionRow* positions;
   const MotionRow<Rotates>* motions;
-  const MotionRow<Rotates, Scalar>* pair_motions;  // the same as the pairs see them
+  const MotionRow<Rotates, Scalar>* pair_motions;  // the same as the pairs use them
   const std::uint16_t* materials;                  // of each particle, if there are several
   StepTimes times;
-  // Of bodies whose parts share their contacts; else null.
+  // For bodies whose parts share their contacts; else null.
   const PartRow* parts = nullptr;
   const SharedContacts<Scalar>* sharing = nullptr;
   Fluxes* fluxes = nullptr;  // of modules, if there are any
 };
 
-/// Computes the loads of spheres that are near one plane at rest: everything in lanes, as for
-/// pairs. Distances are formed in double, all else in Scalar.
+/// Computes the loads of spheres near one plane at rest, entirely in lanes, as for pairs. Distances
+/// are computed in double, all else in Scalar.
 template <class ContactsType, class Arch, class Scalar, class Fluxes, bool Repeats = false>
 class PlanePipeline {
   using Real = typename Lanes<Arch, Scalar>::Real;
@@ -52,7 +52,7 @@ class PlanePipeline {
   using Input = WallInput<rotates, Scalar, Fluxes>;
   using Contacts = WallContacts<ContactsType::history, Scalar, 0, 0, Repeats>;
 
-  /// Adds the loads of one run to the sums of its particles and to the wall's.
+  /// Adds the loads of one run to the sums of its particles and to the load of the wall.
   static Tally<ContactsType> run(const Input& in, const PlaneRun& plane, const Wall& wall,
                                  Contacts& contacts, const CoefficientTable<ContactsType>& table,
                                  Scalar* sums, WallLoad& load) {
@@ -89,7 +89,7 @@ class PlanePipeline {
   /// One block in its stages.
   struct Block {
     KinematicsBlock<ContactsType, block, Scalar> kinematics;
-    alignas(64) Scalar point[3][block];  // [m] where the sphere touches, from the wall's reference
+    alignas(64) Scalar point[3][block];  // [m] contact point, from the wall's reference
     alignas(64) Scalar rows[block * row];
     std::uint16_t kinds[block];
   };
@@ -102,7 +102,7 @@ class PlanePipeline {
       RunningTally<ContactsType, Real>& tally) {
     Block b;
     const std::size_t padded = pieces(count, W) * W;
-    // Spheres at walls are far from each other in memory: better to wait for all of them at once.
+    // Spheres at walls are scattered in memory: prefetch all of them first.
     for (std::size_t k = 0; k < count; ++k) {
       __builtin_prefetch(in.positions + particle[k]);
       __builtin_prefetch(in.pair_motions + particle[k]);
@@ -142,7 +142,7 @@ class PlanePipeline {
       const auto [from_reference, distance, overlap, r] =
           place_of(in.positions, particle + k, plane, reference);
       const Real& inv_m = velocity[3];
-      // Fixed spheres feel no wall; parked ones and those that fill the pack up are not there.
+      // Fixed spheres get no wall force; removed spheres and padding are inactive.
       const auto there = r * inv_m > zero;
       Kinematics<Real> kin;
       kin.normal = normal, kin.change = {zero, zero, zero};
@@ -223,7 +223,7 @@ class PlanePipeline {
       return {{x[0], y[0], z[0]}, distance[0], overlap[0], radius[0]};
   }
 
-  /// What the block does to the wall, lane by lane.
+  /// Adds the load of the block to that of the wall, lane by lane.
   static void add_up(const Block& b, std::size_t count, WallLoad& load) {
     Vec3<Real> force{Real(0), Real(0), Real(0)}, torque = force;
     for (std::size_t k = 0; k < count; k += W) {

@@ -13,14 +13,14 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// How a wall moves where a sphere touches it.
+/// Motion of a wall at the contact point of a sphere.
 struct WallVelocity {
   Vec3d velocity{0, 0, 0}, spin{0, 0, 0};  // [m/s], [rad/s]
 };
 
-/// The mean velocity over the last step, like the spheres' own, of the point of the wall that was
-/// under the contact half a step ago: of a sphere that slides it is not the present one. `change`
-/// of the normal over the step; `of_sphere` [m/s].
+/// The mean velocity over the last step, consistent with the spheres' half-step velocities, of the
+/// wall point that was under the contact half a step ago; if the sphere slides, this is not the
+/// present point. `change` of the normal over the step; `of_sphere` [m/s].
 SILT_INLINE WallVelocity velocity_of_wall(const Wall& wall, const Vec3d& on_wall,
                                           const SurfacePoint& point, const Vec3d& change,
                                           const Vec3d& of_sphere, const StepTimes& times) {
@@ -38,7 +38,7 @@ SILT_INLINE Vec3<Scalar> as_scalars(const Vec3d& v) {
   return {static_cast<Scalar>(v.x), static_cast<Scalar>(v.y), static_cast<Scalar>(v.z)};
 }
 
-/// Kinematics of a sphere's contact with a wall; `inverse_mass` [1/kg] of both.
+/// Kinematics of a sphere's contact with a wall; `inverse_mass` [1/kg]: of sphere plus wall.
 template <class Scalar, bool Rotates>
 SILT_INLINE Kinematics<Scalar> kinematics_at_wall(const SurfacePoint& point, const Vec3d& change,
                                                   const PositionRow& sphere,
@@ -60,7 +60,7 @@ SILT_INLINE Kinematics<Scalar> kinematics_at_wall(const SurfacePoint& point, con
   return kin;
 }
 
-/// What rolling models see of it; `inertia` [-] over m r^2.
+/// Input of rolling models; `inertia` [-] over m r^2.
 template <class Scalar, class Motion>
 SILT_INLINE RollingKinematics<Scalar> rolling_at_wall(const PositionRow& sphere,
                                                       const Motion& motion,

@@ -17,9 +17,9 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Computes the loads of all contacts with walls: geometry of each candidate, in double, then the
-/// same law over lanes as for pairs, rows out; sums what each wall bears. Spheres that are near
-/// planes at rest alone are the PlanePipeline's.
+/// Computes the loads of all contacts with walls: the geometry of each candidate in double, then
+/// the same law in lanes as for pairs; load rows; the sum on each wall. Spheres that are near
+/// planes at rest only are computed by PlanePipeline.
 template <class ContactsType, class Arch, class Scalar, class Fluxes = NoFluxes,
           bool Repeats = false>
 class WallPipeline {
@@ -58,7 +58,7 @@ class WallPipeline {
     return all;
   }
 
-  /// A sphere that touches a wall in more places than a surface gives contacts, in the last step.
+  /// A sphere that touched a wall in more places than its surface has slots for, in the last step.
   std::optional<CrowdedContact> crowded() const {
     for (const auto& c : crowded_)
       if (c) return c;
@@ -66,25 +66,25 @@ class WallPipeline {
   }
 
  private:
-  /// The contacts of one block, side by side whatever slots they have.
+  /// The contacts of one block, contiguous whatever their slots.
   struct Scratch {
     KinematicsBlock<ContactsType, block, Scalar> kinematics;
     alignas(64) Scalar history[ContactsType::history + 1][block];
-    std::uint16_t kind[block];  // place in the coefficient table
+    std::uint16_t kind[block];  // index in the coefficient table
     struct Place {
       std::uint32_t slot, particle;
       std::uint16_t wall, surface;
     } place[block];
-    Vec3d point[block];  // [m] where it touches, beside the sphere
-    // ... and on the wall, of which the sphere may touch an image.
+    Vec3d point[block];  // [m] contact point near the sphere
+    // The contact point on the wall, which differs if the sphere touches an image.
     Vec3d on_wall[Repeats ? block : 1];
     WallImage image[Repeats ? block : 1];
     double share[block];                 // [-] overlap over the radius
-    Vec3d in_itself[block];              // [m/s] of a surface, where it has such a velocity
+    Vec3d in_itself[block];              // [m/s] surface velocity of the wall, where it has one
     alignas(64) Scalar of_force[block];  // [-] share of its force (SharedContacts)
     std::size_t count;
     std::optional<CrowdedContact> crowded;
-    [[no_unique_address]] NotesOf<ContactsType> ended;  // contacts that are not among these
+    [[no_unique_address]] NotesOf<ContactsType> ended;  // ended contacts not in this block
     [[no_unique_address]] typename WallWear<Fluxes>::template Rubs<block> rubs;
   };
   using Stage = ContactStage<ContactsType, Arch, Scalar, Fluxes>;
@@ -101,7 +101,7 @@ class WallPipeline {
   void run_block(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
                  std::span<const Wall> walls, Scalar* sums, std::size_t b) {
     const auto candidates = contacts.block_candidates(b);
-    // Spheres at walls are far from each other in memory: better to wait for all of them at once.
+    // Spheres at walls are scattered in memory: prefetch all of them first.
     for (const auto& c : candidates) {
       __builtin_prefetch(in.positions + c.particle);
       __builtin_prefetch(in.motions + c.particle);
@@ -151,7 +151,7 @@ class WallPipeline {
     }
   }
 
-  /// Fills the last pack with its first contact, moved out of reach.
+  /// Pads the last pack with copies of its first contact, moved out of reach.
   static void pad(Scratch& s) {
     for (std::size_t k = s.count; k % W != 0; ++k) {
       const std::size_t from = s.count / W * W;
@@ -166,9 +166,10 @@ class WallPipeline {
     }
   }
 
-  static constexpr double same_contact = 0.8;  // cosine of the largest turn in one step
+  static constexpr double same_contact = 0.8;  // cosine of the largest rotation in one step
 
-  /// All contacts of one sphere with the surfaces near it. Mostly it is one that it can touch once.
+  /// All contacts of one sphere with the surfaces near it. Usually that is one surface with one
+  /// contact.
   static void touch(std::span<const Candidate> candidates, std::span<const Wall> walls,
                     Contacts& contacts, const Input& in,
                     const CoefficientTable<ContactsType>& table, Scratch& s) {
@@ -197,7 +198,7 @@ class WallPipeline {
                             Contacts& contacts, const Input& in,
                             const CoefficientTable<ContactsType>& table, Scratch& s) {
     const PositionRow& sphere = in.positions[candidates[0].particle];
-    std::array<Touch, block> found;  // as many as fit into a block's slots
+    std::array<Touch, block> found;  // the number of slots of a block
     std::size_t count = 0;
     for (std::size_t k = 0; k < candidates.size(); ++k) {
       const auto& c = candidates[k];
@@ -218,7 +219,7 @@ class WallPipeline {
       if constexpr (Repeats) drop_image_seams(all, candidates, walls, 1e-6 * sphere.r);
       drop_seams(all, 1e-6 * sphere.r);
     }
-    // Images of a surface have their slots in common.
+    // Images of a surface share slots.
     for (std::size_t k = 0, end_k = 1, next = 0; k < candidates.size(); k = end_k++) {
       const auto& c = candidates[k];
       const Surface& surface = walls[c.wall].surfaces[c.surface];
@@ -260,7 +261,7 @@ class WallPipeline {
     return count;
   }
 
-  /// The slot whose contact had nearly this normal a step ago, else a free one: history goes on
+  /// The slot whose contact had nearly this normal a step ago, else a free one: history continues
   /// while a contact moves from facet to edge to facet.
   static std::size_t slot_for(const Vec3d& normal, std::span<const Candidate> images,
                               const Wall& wall, Contacts& contacts, bool* taken, std::size_t slots,
@@ -278,14 +279,14 @@ class WallPipeline {
       if (!taken[k] && !contacts.slot(begin + k).touching) best = k;
     for (std::size_t k = 0; best == slots && k < slots; ++k)
       if (!taken[k]) {
-        best = k;  // an old contact that ended in this very step
+        best = k;  // a contact that ended in this step
         end(contacts, begin + k, images, wall, in, s);
       }
     taken[best] = true;
     return begin + best;
   }
 
-  /// Ends the contact in a slot of a surface and its images, if there is one.
+  /// Ends the contact, if any, in a slot of a surface and its images.
   static void end(Contacts& contacts, std::size_t slot,
                   [[maybe_unused]] std::span<const Candidate> images,
                   [[maybe_unused]] const Wall& wall, [[maybe_unused]] const Input& in,
@@ -321,7 +322,7 @@ class WallPipeline {
                        std::size_t slot, Contacts& contacts, const Input& in,
                        const CoefficientTable<ContactsType>& table, Scratch& s) {
     const ParticleMotion& motion = in.motions[c.particle];
-    if (motion.inv_m == 0) return;  // a fixed sphere feels no wall
+    if (motion.inv_m == 0) return;  // no force on fixed spheres
     const std::size_t k = s.count++;
     const Vec3d contact = sphere.centre() - point.distance * point.normal;
     const Vec3d change = point.normal - last_normal;
@@ -339,7 +340,7 @@ class WallPipeline {
         slip -= (point.distance * motion.inv_r) * cross(motion.spin_velocity(), point.normal);
       s.rubs.put(k, c, wall, slip);
     }
-    double inverse_mass = motion.inv_m;  // [1/kg] of both
+    double inverse_mass = motion.inv_m;  // [1/kg] of sphere plus wall
     if (wall.is_driven())
       inverse_mass += inverse_mass_of(wall.drive, wall.state, on_wall, point.normal);
     auto kin = kinematics_at_wall<Scalar>(point, change, sphere, motion, of_wall, inverse_mass);
@@ -363,7 +364,7 @@ class WallPipeline {
     if constexpr (Repeats) s.on_wall[k] = on_wall, s.image[k] = image_of(c);
     put_contact(wall, c, slot, contacts, in, table, k, s);
   }
-  /// Puts what contact k is of into the block, with its history.
+  /// Stores identity and history of contact k in the block.
   static void put_contact(const Wall& wall, const Candidate& c, std::size_t slot,
                           Contacts& contacts, const Input& in,
                           const CoefficientTable<ContactsType>& table, std::size_t k, Scratch& s) {
@@ -376,9 +377,9 @@ class WallPipeline {
   }
 
   [[no_unique_address]] WallWear<Fluxes> wear_;
-  std::vector<WallLoad> loads_;                         // by block and wall
-  std::vector<Tally<ContactsType>> tallies_;            // by block
-  std::vector<std::optional<CrowdedContact>> crowded_;  // by block
+  std::vector<WallLoad> loads_;                         // per block and wall
+  std::vector<Tally<ContactsType>> tallies_;            // per block
+  std::vector<std::optional<CrowdedContact>> crowded_;  // per block
 };
 
 }  // namespace silt::detail

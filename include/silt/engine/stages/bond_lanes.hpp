@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of BondStage: a group of bonds in lanes, from the rows of their ends to the sums of loads.
+// Parts of BondStage: a group of bonds in SIMD lanes, from the rows of their ends to the load sums.
 
 #include <algorithm>
 #include <cstddef>
@@ -56,7 +56,7 @@ __attribute__((flatten)) void BondStage<Model, Domain, Arch>::gather(Engine& e,
 template <class Model, class Domain, class Arch>
 template <class State>
 SILT_INLINE auto BondStage<Model, Domain, Arch>::ends_of(const State& particles,
-                                                        const Domain& domain, std::size_t k) const
+                                                         const Domain& domain, std::size_t k) const
     -> Pack<Real> {
   const auto* const position = particles.position.data();
   const auto* const motion = particles.motion.data();

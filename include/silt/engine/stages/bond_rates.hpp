@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of BondStage: how fast bonds make particles swing, and the step that they are stable in.
+// Parts of BondStage: the highest frequency that bonds give to particles, and the stable time step.
 
 #include <algorithm>
 #include <cmath>

@@ -22,8 +22,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Bonds and their stage of a step: the loads on their ends, and which of them break. Results do
-/// not depend on the number of threads.
+/// Bonds and their stage of a time step: computes the loads on their ends and finds overloaded
+/// bonds. Results do not depend on the number of threads.
 template <class Model, class Domain, class Arch>
 class BondStage {
   using Real = typename Lanes<Arch>::Real;
@@ -36,15 +36,15 @@ class BondStage {
 
   Model model;
   std::uint64_t seed = 1, made = 0, broken = 0;
-  bool fresh = false;  // on many ranks: some were made whose other ends are no ghosts yet
+  bool fresh = false;  // several ranks: some new bonds end at particles that are not ghosts yet
   List list;
   AtWalls at_walls;
 
   void add(Bond bond) { bond.number = made++, list.add(bond); }
   void add(typename AtWalls::Bond bond) { bond.number = made++, at_walls.all.push_back(bond); }
-  /// Counts a bond that other ranks have.
+  /// Counts a bond that is stored on other ranks.
   void count() { ++made; }
-  /// How many there are now.
+  /// Present number of bonds.
   template <class Engine>
   std::size_t size(const Engine& e) {
     follow(e);
@@ -57,7 +57,7 @@ class BondStage {
   }
 
   /// Adds the loads of bonds to the sums of their particles and to walls. Returns the power of
-  /// their dashpots [W] for a ledger.
+  /// their dashpots [W] for the energy ledger.
   template <class Engine>
   double push(Engine& e, const Domain& domain, double dt) {
     overloaded_.clear();
@@ -71,7 +71,7 @@ class BondStage {
         const auto [from, to] = list.busy(groups.phase(p));
         e.team().for_parts(to - from, [&, first = from](std::size_t g) {
           run_group(e, domain, list.group(first + g), done[first + g]);
-          if constexpr (Engine::of_ranks)  // another rank has these too
+          if constexpr (Engine::of_ranks)  // another rank has the bonds with ghosts too
             if (p >= groups.own_phases()) done[first + g].power *= 0.5;
         });
       }
@@ -86,8 +86,8 @@ class BondStage {
     });
     return power;
   }
-  /// Removes the bonds of particles that leave before the next forces; `rows`: theirs, sorted; `dt`
-  /// [s]: the last step, 0 before the first one.
+  /// Removes the bonds of particles that leave before the next force computation. `rows`: rows of
+  /// these particles, sorted; `dt` [s]: the last time step, 0 before the first one.
   template <class Engine>
   void end_of(const Engine& e, const Domain& domain, std::span<const std::uint32_t> rows,
               double dt) {
@@ -105,8 +105,8 @@ class BondStage {
         ending.push_back({at_walls.seen(e, domain, model, k, dt, BondEnds::BeforeForces), k});
     take_out(ending);
   }
-  /// Removes the bonds that the last step has overloaded. Returns them and those that ended before
-  /// its forces, in the order in which they were made.
+  /// Removes the bonds that were overloaded in the last step. Returns them, together with those
+  /// that ended before its force computation, in order of creation.
   std::vector<BondBreak> take_broken(double time) {
     take_out(overloaded_);
     overloaded_.clear();
@@ -118,8 +118,8 @@ class BondStage {
     return gone;
   }
   bool any_overloaded() const { return !overloaded_.empty(); }
-  /// The same on many ranks (collective): each rank removes what it has of the bonds that any rank
-  /// has found, and returns those whose first end it owns; calls told(bond) for all.
+  /// The same with several ranks (collective): each rank removes its copies of the bonds that any
+  /// rank has reported, and returns those whose first end it owns; told(bond) is called for all.
   template <class Engine, class Told>
   std::vector<BondBreak> take_broken(Engine& e, double time, const Told& told) {
     std::vector<BrokenBond> own;
@@ -141,14 +141,14 @@ class BondStage {
     for (const BrokenBond& b : all) told(b);
     return gone;
   }
-  /// Rotates the particles for a step of `dt` [s], once there has been a bond: before that nothing
+  /// Rotates the particles for a step of `dt` [s] once there has been a bond; before that nothing
   /// depends on their orientation.
   template <class Engine>
   void turn(Engine& e, double dt) const {
     if (made == 0) return;
     turn_spheres<Arch>(e.particles, dt, e.team());
   }
-  /// Calls f(BondSeen) for each bond, in the order in which they were made.
+  /// Calls f(BondSeen) for each bond, in order of creation.
   template <class Engine, class F>
   void visit(const Engine& e, const Domain& domain, const F& f) {
     follow(e);
@@ -164,7 +164,7 @@ class BondStage {
     for (const auto& [number, k] : order)
       f(k >= walls ? at_walls.seen(e, domain, model, k - walls, 0) : seen(e, domain, k, 0));
   }
-  /// [J] in the springs, at the present positions.
+  /// [J] stored in the bonds at the present positions.
   template <class Engine>
   double energy(const Engine& e, const Domain& domain) {
     follow(e);
@@ -178,21 +178,22 @@ class BondStage {
       sum += at_walls.energy(e, domain, model, k);
     return sum;
   }
-  /// The fastest that bonds make a particle swing [1/s], and which one: a bound, as if all its
-  /// partners moved against it. And the longest step [s] in which bonds and their dashpots, which
-  /// act by the velocities of half a step ago, give no energy: the leapfrog needs
-  /// w^2 dt^2 + 2 g dt < 4 of a swing of the rate w with the decay g; here dt is 0.4 of that.
+  /// The highest angular frequency [1/s] that bonds give to a particle, and that particle. It is an
+  /// upper bound: all partners are taken to move against the particle. Also the longest step [s] in
+  /// which bonds with their dashpots create no energy. Dashpots use velocities that are half a step
+  /// old, so that the leapfrog needs w^2 dt^2 + 2 g dt < 4 for a mode of frequency w and decay rate
+  /// g; here dt is 0.4 of that limit.
   struct Rate {
     double rate = 0, stable_step = INFINITY;
-    ParticleId particle = no_particle;  // of the step
+    ParticleId particle = no_particle;  // that sets the step
   };
   template <class Engine>
   Rate fastest(const Engine& e);
-  /// Sorts the bonds again if rows were renumbered, or if bonds or particles have come or gone.
+  /// Sorts the bonds again after rows were renumbered, or bonds or particles were added or removed.
   template <class Engine>
   void follow(const Engine& e) {
     if constexpr (Engine::of_ranks)
-      if (fresh) return at_walls.follow(e);  // until the next step has searched
+      if (fresh) return at_walls.follow(e);  // wait until the next step has searched
     list.follow(
         e.particles.size(), e.particles.owned(), e.particles.changes, e.particles.parked,
         [&e](ParticleId id) { return static_cast<std::uint32_t>(e.row_of(id)); },
@@ -200,7 +201,7 @@ class BondStage {
     at_walls.follow(e);
   }
 
-  /// What ranks tell each other of a bond that breaks.
+  /// What ranks send to each other about a broken bond.
   struct BrokenBond {
     std::uint64_t number = 0;
     ParticleId a = no_particle, b = no_particle;
@@ -208,19 +209,19 @@ class BondStage {
   };
 
  private:
-  /// Whether this rank counts bond k: on many ranks the one that owns its first end does.
+  /// Whether this rank reports bond k: with several ranks the owner of its first end does.
   template <class Engine>
   bool tells([[maybe_unused]] const Engine& e, [[maybe_unused]] std::size_t k) const {
     if constexpr (Engine::of_ranks) return list.first()[k] < e.particles.owned();
     return true;
   }
-  static constexpr std::size_t block = 16;  // bonds whose loads wait in the first-level cache
-  static constexpr std::size_t row = 16;    // of one: force, torques over radii, four each
+  static constexpr std::size_t block = 16;  // bonds whose loads fit into the first-level cache
+  static constexpr std::size_t row = 16;    // per bond: force and torques over radii, four each
   using Row = Row4<Arch>;
 
   struct Ending {
     BondSeen what;
-    std::size_t place;  // in its list
+    std::size_t place;  // in the list it belongs to
   };
   void take_out(const std::vector<Ending>& all) {
     for (const Ending& one : all) {
@@ -232,7 +233,7 @@ class BondStage {
     }
     at_walls.close_up();
   }
-  /// What a group has found.
+  /// Result of one group.
   struct Done {
     std::vector<std::uint32_t> over;  // places of overloaded bonds
     double power = 0;                 // [W] of dashpots
@@ -263,14 +264,14 @@ class BondStage {
     return out;
   }
 
-  /// The ends of a pack of bonds, and one over their radii [1/m].
+  /// The ends of a pack of bonds, and the inverse radii [1/m].
   template <class R>
   struct Pack {
     BondedEnds<R> ends;
     R inv_r_i, inv_r_j;
   };
   static constexpr std::size_t columns = sizeof(Pack<double>) / sizeof(double);
-  /// Ends in columns and loads in rows, between the stages of a block.
+  /// Ends in columns and loads in rows, passed between the stages of a block.
   struct Block {
     alignas(64) double ends[columns][block];
     alignas(64) double loads[block * row];
@@ -288,8 +289,8 @@ class BondStage {
   template <class Engine>
   SILT_INLINE void fetch(Engine& e, std::size_t k) const;
   SILT_INLINE static void put(const Vec3<Real>& v, double* to);
-  /// Writes the loads of the pack at place k of a block, which is at place `of_list` of the list;
-  /// returns which of its bonds are overloaded.
+  /// Writes the loads of the pack at place k of a block, which is at place `of_list` of the list.
+  /// Returns which of its bonds are overloaded.
   template <class Engine>
   __attribute__((flatten)) std::uint64_t run_pack(const Engine&, std::size_t of_list, std::size_t k,
                                                   Block& b, Real& power) const;
@@ -298,10 +299,10 @@ class BondStage {
   template <class Engine>
   void add_up(Engine& e, std::size_t from, std::size_t count, const double* loads);
   std::vector<Ending> overloaded_;
-  std::vector<BondSeen> ended_;  // since bonds were taken out last
+  std::vector<BondSeen> ended_;  // since take_broken() was called last
 };
 
-/// The stage of a policy Bonds<Model>; without one nothing.
+/// The stage of a policy Bonds<Model>; empty without one.
 template <class Policy, class Domain, class Arch>
 struct BondsOf {
   struct type {};

@@ -26,7 +26,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// [N] that the spring of a law reaches in an impact, unsoftened; not a number if it does not say.
+/// [N] peak force of the law's spring in an impact at full stiffness (unsoftened); NaN if the law
+/// does not provide it.
 template <class Law>
 double elastic_force([[maybe_unused]] const typename Law::template Coefficients<double>& p,
                      [[maybe_unused]] double R_eff, [[maybe_unused]] double m_eff,
@@ -39,35 +40,35 @@ double elastic_force([[maybe_unused]] const typename Law::template Coefficients<
     return std::numeric_limits<double>::quiet_NaN();
 }
 
-/// A particle that is to break before the next step.
+/// A particle that will break before the next step.
 struct DueBreak {
   ParticleId id;
   double load, speed;
   BreakCause cause;
 };
 
-/// Weighs the impacts of a step against strengths; keeps what is due to break, and the tables of
-/// mass. Results do not depend on threads.
+/// Compares impacts with particle strengths; stores which particles are due to break, and the mass
+/// tables. Results do not depend on the number of threads.
 template <class Policy>
 class BreakStage {
  public:
-  std::vector<DueBreak> due;           // by id; saved between steps
+  std::vector<DueBreak> due;           // sorted by id; saved in checkpoints
   std::vector<BreakEvent> events;      // of this step
-  ParticleId newborn_from = 0;         // of the rows that came then
-  SizeTables dust, left;               // fragments too small, and particles that left
+  ParticleId newborn_from = 0;         // first id of the fragments of this step
+  SizeTables dust, left;               // fragments below the size limit, and particles that left
   CompensatedSum fed;                  // [kg]
   BreakCounts broken{};                // since the start
-  std::vector<BreakCounts> broken_of;  // likewise of each material, where there are several
-  ImpactEnergies impacts;              // since the start, by speed alone
-  double parted = 0;                   // [J] that offsets have given to contacts
-  double weak_from = 0;                // [N] lower bound of the strengths, by force
-  LivingSizes sizes;                   // that the time step follows
-  LargestLoad largest;                 // not kept by checkpoints
-  bool some_due = true;    // on many ranks: on any of them; true as long as nobody has asked
-  bool some_born = false;  // ... in this step
+  std::vector<BreakCounts> broken_of;  // the same per material, if there are several
+  ImpactEnergies impacts;              // since the start, for breakage by impact speed only
+  double parted = 0;                   // [J] released by shrinking offsets
+  double weak_from = 0;                // [N] lower bound of the strengths, for breakage by force
+  LivingSizes sizes;                   // the smallest living particles, which set the time step
+  LargestLoad largest;                 // not saved in checkpoints
+  bool some_due = true;  // with several ranks: on any rank; true until the ranks have exchanged it
+  bool some_born = false;  // the same, for this step
 
-  /// Draws the strengths of the particles from place `from` on, which are new; of fragments
-  /// rests_until(id) [s].
+  /// Draws the strengths of the new particles, from place `from` on; for fragments also
+  /// rests_until(id) [s], the time up to which they cannot break.
   template <class Engine, class RestsUntil>
   void start(Engine& e, const Policy& policy, std::size_t from, const RestsUntil& rests_until) {
     auto& fields = e.modules().template of<Policy>();
@@ -86,17 +87,17 @@ class BreakStage {
       weak_from = std::min(weak_from, fields[k].strength);
     }
   }
-  /// The numbers of one particle that its own draws come from.
+  /// Streams of random numbers of one particle.
   enum Draw : std::uint64_t { of_strength = 0, of_fragments = 1 };
   static Random random_of(const Policy& policy, ParticleId id, Draw what) {
     const std::uint64_t of_seed = Random(policy.rules.seed).bits();
     return Random(of_seed + 0x9e3779b97f4a7c15u * (2 * id + what));
   }
 
-  /// After the contacts of a step, at `time` [s].
+  /// Called after the contacts of a step, at `time` [s].
   template <class Engine>
   void weigh(Engine& e, const Policy& policy, double time) {
-    struct Half {  // of an impact: one particle's
+    struct Half {  // one particle's side of an impact
       ParticleId id, other;
       std::size_t wall, place;
       const NotedImpact* note;
@@ -104,15 +105,16 @@ class BreakStage {
     };
     std::vector<Half> all;
     std::size_t known = e.owners();
-    if constexpr (Engine::of_ranks) known = e.particles.size();  // with ghosts
+    if constexpr (Engine::of_ranks) known = e.particles.size();  // includes ghosts
     for (const NotedImpact& note : e.impacts.all) {
       const std::size_t a = e.owner_of(note.first);
       const std::size_t b = note.second == NotedImpact::no_row ? a : e.owner_of(note.second);
-      if (a >= known || b >= known) continue;  // what fills packs up
+      if (a >= known || b >= known) continue;  // padding of packs
       const auto p = e.owner(a), q = e.owner(b);
       if (!p.is_there() || !q.is_there()) continue;
       const bool at_wall = note.wall != NotedImpact::no_row;
-      // Of two ranks one counts it, that which has the lower id; each weighs its own half.
+      // An impact between particles of two ranks is counted by the owner of the lower id; each rank
+      // evaluates its own particle.
       const bool counts = (p.id() < q.id() ? a : b) < e.owners();
       if (note.speed > 0 && counts) impacts.add(note.m_eff, note.speed, at_wall);
       if (a < e.owners())
@@ -126,7 +128,7 @@ class BreakStage {
     parted += std::exchange(e.parted, 0);
   }
 
-  /// A particle breaks once, by the largest load.
+  /// A particle breaks once, under its largest load.
   void add_due(const DueBreak& one) {
     const auto at = std::lower_bound(due.begin(), due.end(), one.id,
                                      [](const DueBreak& d, ParticleId id) { return d.id < id; });
@@ -145,7 +147,7 @@ class BreakStage {
     }
   }
 
-  /// By force: the least strength of all.
+  /// For breakage by force: the smallest strength of all particles.
   template <class Engine>
   void measure(const Engine& e) {
     weak_from = std::numeric_limits<double>::infinity();
@@ -161,7 +163,7 @@ class BreakStage {
                  double time) {
     auto& own = e.modules().template of<Policy>()[k];
     if (!(own.strength > 0) || time < own.rests_until) return;
-    if (note.force == 0 && note.speed == 0) return;  // they meet as they part
+    if (note.force == 0 && note.speed == 0) return;  // the contact began while the two moved apart
     const auto p = e.owner(k);
     const bool at_wall = note.wall != NotedImpact::no_row;
     Impact impact{};
@@ -193,13 +195,13 @@ class BreakStage {
     } else if (!Policy::by_force || note.is_peak) {
       const double remaining = policy.fatigue.weakened(own.strength, load);
       wanted(remaining >= 0 && remaining <= own.strength, "the fatigue's weakened()", remaining);
-      own.strength = std::max(remaining, std::numeric_limits<double>::min());  // 0 never breaks
+      own.strength = std::max(remaining, std::numeric_limits<double>::min());  // 0: never breaks
       weak_from = std::min(weak_from, own.strength);
     }
   }
 };
 
-/// The stage of a policy Breakage; without one nothing.
+/// The stage of a policy Breakage; empty without one.
 template <class Policy>
 struct BreakStageOf {
   using type = BreakStage<Policy>;

@@ -13,27 +13,28 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What the time step follows where particles break (BreakStep::SmallestLiving): the least of those
-/// that were there when it was looked at last. It is looked at as a smaller one is born, so that
-/// the step is shorter before that one acts, and every hundred steps, so that it grows again.
+/// The particle sizes that set the time step where particles break (BreakStep::SmallestLiving): the
+/// smallest present at the last look. They are looked at when a smaller particle is born, so that
+/// the step becomes shorter before that particle acts, and every hundred steps, so that the step
+/// can grow again.
 /// Tests: tests/breakage/step.cpp.
 class LivingSizes {
  public:
   static constexpr std::int64_t look_every = 100;  // [steps]
-  /// The step is chosen anew where it is so much longer or shorter than it would be chosen.
+  /// The step is changed only if it is longer or shorter than the new choice by these factors.
   static constexpr double longer = 1.05, shorter = 0.8;  // [-]
   static constexpr double most_postponed = 10;           // [-]
 
-  double coming_step = 0;        // [s] from the next drift on; 0: no change
-  double speed = 0;              // [m/s] that the step was looked at for
-  double postponed = 0;          // [-] looks, one after the other
-  std::uint64_t safeguards = 0;  // [-] that had acted before this step
+  double coming_step = 0;        // [s] used from the next drift on; 0: no change
+  double speed = 0;              // [m/s] that the step was chosen for
+  double postponed = 0;          // [-] postponed changes in succession
+  std::uint64_t safeguards = 0;  // [-] count before this step
 
   bool known() const { return !least_.empty(); }
   void forget() { least_.clear(); }
 
-  /// Looks at all that are there; their smallest radius is exact then. Returns whether the least
-  /// are others than before.
+  /// Looks at all particles; their smallest radius is exact afterwards. Returns whether the
+  /// smallest sizes have changed.
   template <class Engine>
   bool measure(Engine& e, std::size_t materials) {
     const auto before = std::exchange(least_, std::vector<Least>(materials));
@@ -48,7 +49,7 @@ class LivingSizes {
       if (std::isfinite(smallest)) e.particles.smallest_radius = smallest;
     return least_ != before;
   }
-  /// Whether the particle at place k is less than any of its material was.
+  /// Whether the particle at place k is smaller than all of its material at the last look.
   template <class Engine>
   bool is_less(const Engine& e, std::size_t k) const {
     const auto p = e.owner(k);
@@ -57,7 +58,7 @@ class LivingSizes {
     return one.mass < all.mass || one.hertz < all.hertz || one.radius < all.radius;
   }
 
-  // As numbers, for a checkpoint; none if nothing is known.
+  // As numbers, for a checkpoint; empty if nothing is known.
   std::vector<double> state() const {
     std::vector<double> all;
     if (known() || postponed > 0) all.insert(all.end(), {coming_step, speed, postponed});
@@ -76,7 +77,7 @@ class LivingSizes {
   }
 
  private:
-  /// Of one material: what contact times and ways in a step depend on.
+  /// The smallest values of one material, which contact times and displacements per step depend on.
   struct Least {
     double mass = std::numeric_limits<double>::infinity();  // [kg]
     double hertz = mass, radius = mass;                     // m^2/R [kg2/m], [m]
@@ -87,7 +88,7 @@ class LivingSizes {
       radius = std::min(radius, one.radius);
     }
   };
-  std::vector<Least> least_;  // of each material
+  std::vector<Least> least_;  // one per material
 };
 
 }  // namespace silt::detail

@@ -17,7 +17,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What modules do in a step: they push particles, and change their fields.
+/// What modules do in a step: apply forces to particles and advance their fields.
 template <class List, class Domain>
 class ModuleStage;
 
@@ -40,19 +40,19 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
     return std::get<M>(modules);
   }
 
-  /// Gives the fields of particle k, which is new, their first values.
+  /// Sets the initial field values of the new particle k.
   template <class Columns>
   void start(Columns& columns, const Seen& p, std::size_t k) const {
     (start_one<Ms>(columns, p, k), ...);
   }
 
-  /// Before a run.
+  /// Called before a run.
   template <class Sim>
   void check([[maybe_unused]] const Sim& sim) const {
     (check_one<Ms>(sim), ...);
   }
 
-  /// Asks what modules do between pairs of particles within their reach.
+  /// Evaluates the pair interactions of modules within their cut-off.
   template <class Engine>
   void look_near([[maybe_unused]] const Engine& e, [[maybe_unused]] const Domain& domain,
                  [[maybe_unused]] double time, [[maybe_unused]] bool asked,
@@ -60,14 +60,14 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
     if constexpr (List::in_pairs) near.look(modules, e, domain, time, asked, measure);
   }
 
-  /// When a step's forces are asked for.
+  /// The time at which forces are evaluated.
   struct When {
     std::int64_t step;
     double time;    // [s]
-    double ahead;   // [s] from the velocities that particles keep to this time
+    double ahead;   // [s] from the time of the stored velocities to this time
     Vec3d gravity;  // [m/s2]
   };
-  /// Sets what modules push each particle with. `others(k)` [N]: all else that acts on it.
+  /// Computes the module force on each particle. `others(k)` [N]: the sum of all other forces.
   template <class Engine, class Others>
   void push(Engine& e, const When& when, const Others& others) const {
     if constexpr (List::push) {
@@ -96,7 +96,7 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
     }
   }
 
-  /// Brings the fields of all particles to the end of a step of `dt` [s].
+  /// Advances the fields of all particles to the end of a step of `dt` [s].
   template <class Engine>
   void update(Engine& e, std::int64_t step, double time, double dt) const {
     if constexpr (List::update) {
@@ -115,7 +115,7 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
     }
   }
 
-  /// The largest acceleration [m/s2] that modules give a particle now.
+  /// The largest acceleration [m/s2] that modules give to a particle now.
   template <class Engine>
   double largest_acceleration([[maybe_unused]] const Engine& e,
                               [[maybe_unused]] double time) const {
@@ -130,9 +130,10 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
       }
     return most;
   }
-  /// What a rate takes of the fluxes: what their modules estimate, what this step has measured.
+  /// Which rates of fluxes are included: as estimated by their modules, as measured in this step,
+  /// or none.
   enum class OfFluxes { Estimated, Measured, LeftOut };
-  /// The fastest that modules make a particle swing or decay [1/s], and which one.
+  /// The highest oscillation or decay rate [1/s] due to modules, and the particle that has it.
   struct Rate {
     double rate = 0;
     std::size_t particle = 0;
@@ -150,7 +151,7 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
     return most;
   }
 
-  /// The fastest that fluxes make a field follow [1/s], as measured in this step and as estimated.
+  /// The fastest response of a field to fluxes [1/s], as measured in this step and as estimated.
   template <class Engine>
   double fastest_flux(const Engine& e, double time) const {
     double most = 0;
@@ -167,7 +168,7 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
   static constexpr bool asks_for_velocity = ((Pushes<Ms> && needs_velocity<Ms>) || ...);
 
-  /// Of modules between pairs [N].
+  /// Force [N] of the pair interactions of modules.
   Vec3d near_force([[maybe_unused]] std::size_t k) const {
     if constexpr (List::in_pairs)
       return near.force(k);
@@ -205,8 +206,8 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
     (add_push<Ms>(sum, columns, p, k), ...);
     return sum;
   }
-  /// The push for the velocity of the whole step, which the push itself changes: asked again until
-  /// both fit. `rest` [N]: of all else.
+  /// The force at the velocity of the whole step, which the force itself changes: iterated until
+  /// both agree. `rest` [N]: the sum of all other forces.
   template <class Columns>
   Push at_whole_step(const Columns& columns, Seen& p, std::size_t k, const When& when,
                      const Vec3d& rest, Push sum) const {
@@ -253,7 +254,7 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
       if (std::isfinite(p.mass)) rate += near.template rate<M>(k, p.mass);
     return rate;
   }
-  /// Without forces between pairs.
+  /// The force without pair interactions.
   template <class M, class Engine>
   double field_rate(const Engine& e, const Seen& p, std::size_t k, OfFluxes of_fluxes) const {
     const auto& columns = e.modules();
@@ -279,7 +280,7 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
       return 0;
   }
 
-  /// Stops the run if it is this module whose force is not finite.
+  /// Aborts the run if this module's force is not finite.
   template <class M, class Engine>
   void stop_at(const Engine& e, const When& when, std::size_t k) const {
     if constexpr (PushesPairs<M>) {

@@ -16,20 +16,20 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What a module does between pairs of particles within its reach, at one instant: nothing.
+/// Pair interactions of a module within its cut-off, at one instant; this module has none.
 template <class M, class Domain, bool Acts = ActsInPairs<M>>
 struct NearPairs {};
 
-/// Each pair is asked once, by whichever thread; what it answers is set down for the pair, and then
-/// each particle sums over its own pairs in the order of their places. Results are the same bits on
-/// any number of threads, and what one gets the other loses to the last bit.
+/// Each pair is evaluated once, by any thread, and the result is stored for the pair; then each
+/// particle sums over its own pairs in order of place. Results are bitwise independent of the
+/// number of threads, and the exchange between the two particles of a pair cancels exactly.
 template <class M, class Domain>
 class NearPairs<M, Domain, true> {
  public:
   NearList<Domain> list;
   AlignedVector<Vec3d> force;              // [N] on each particle
   AlignedVector<double> flux;              // [.../s] into each
-  AlignedVector<double> stiffness, slope;  // [N/m], [.../s]: sums, of the last look that measured
+  AlignedVector<double> stiffness, slope;  // [N/m], [.../s]: sums from the last look that measured
 
   template <class Engine>
   void look(const M& module, const Engine& e, const Domain& domain, const std::vector<Seen>& seen,
@@ -81,8 +81,8 @@ class NearPairs<M, Domain, true> {
           numbers_, slope,
           [&](D d, P a, F f, P b, F g) { return double(module.pair_slope(d, a, f, b, g)); }, alike);
   }
-  /// Of the particle at place k, as last measured [1/s]: of two masses on a spring exact, else a
-  /// bound (Gershgorin's).
+  /// Rate [1/s] of the particle at place k, as last measured: exact for two masses on a spring,
+  /// else an upper bound (Gershgorin).
   double rate(std::size_t k, double mass) const {
     return k < stiffness.size() ? std::sqrt(2 * stiffness[k] / mass) : 0;
   }
@@ -129,12 +129,12 @@ class NearPairs<M, Domain, true> {
       return NoFields{};
   }
 
-  AlignedVector<Vec3d> forces_;  // of each pair
-  AlignedVector<Vec3d> common_;  // [N] on each particle, of pair_force_on_both()
+  AlignedVector<Vec3d> forces_;  // one per pair
+  AlignedVector<Vec3d> common_;  // [N] on each particle, from pair_force_on_both()
   AlignedVector<double> numbers_;
 };
 
-/// All modules that act between pairs.
+/// All modules with pair interactions.
 template <class List, class Domain>
 class NearStage;
 
@@ -143,9 +143,9 @@ class NearStage<ModuleList<Ms...>, Domain> {
  public:
   static constexpr bool active = ModuleList<Ms...>::in_pairs;
 
-  /// Asks what modules do between pairs now; `measure`: how fast that changes, too. Modules whose
-  /// flux through contacts is held, as `asked` says, are not asked: what they gave in pairs is held
-  /// with it.
+  /// Evaluates the pair interactions of modules now; `measure`: also their rates of change. Modules
+  /// whose contact flux is held in this step (`asked` is false) are skipped; their pair flux is
+  /// held as well.
   template <class Engine>
   void look(const std::tuple<Ms...>& modules, const Engine& e, const Domain& domain, double time,
             bool asked, bool measure) {
@@ -160,16 +160,16 @@ class NearStage<ModuleList<Ms...>, Domain> {
     });
     (look_one<Ms>(modules, e, domain, asked || measure, measure), ...);
   }
-  /// Whether the last look measured.
+  /// Whether the last look measured rates.
   bool measured() const { return measured_; }
-  /// On the particle at place k [N].
+  /// Force on the particle at place k [N].
   Vec3d force(std::size_t k) const {
     Vec3d sum{0, 0, 0};
     (add_force<Ms>(sum, k), ...);
     return sum;
   }
-  /// Adds what particles received to what came through contacts, which has just been asked for if
-  /// `asked`, or else is what was received some steps ago, this included.
+  /// Adds the pair flux to the contact flux of each particle if the contact flux was just evaluated
+  /// (`asked`); otherwise the held value already includes it.
   template <class Columns>
   void receive(Columns& columns, bool asked) const {
     (receive_one<Ms>(columns, asked), ...);
@@ -232,7 +232,7 @@ class NearStage<ModuleList<Ms...>, Domain> {
   bool measured_ = false;
 };
 
-/// Of modules that do not.
+/// For compositions without pair interactions.
 struct NoNearStage {
   static constexpr bool active = false;
 };

@@ -11,7 +11,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Those of a pack, from row k on.
+/// Rotates the spheres of a pack, from row k on.
 template <class Arch, class State>
 __attribute__((flatten)) void turn_pack(State& p, std::size_t k, std::size_t count, double dt) {
   using Row = Row4<Arch>;
@@ -24,8 +24,8 @@ __attribute__((flatten)) void turn_pack(State& p, std::size_t k, std::size_t cou
   rows_to_columns<Arch>(rows, w);
   for (std::size_t lane = 0; lane < W; ++lane) rows[lane] = Row::load(&p.orientation[at(lane)].w);
   rows_to_columns<Arch>(rows, c);
-  // Sine and cosine of half the turn by their series: 1e-13 off at 0.1 rad, 1e-8 at 0.5 rad a
-  // step. The length that rounding changes is brought back by Newton's step towards 1.
+  // Sine and cosine of half the rotation angle by their series: the error is 1e-13 at 0.1 rad a
+  // step and 1e-8 at 0.5 rad. One Newton step renormalises the quaternion.
   const Real one(1);
   const Vec3<Real> half = Vec3<Real>{w[0], w[1], w[2]} * (Real(0.5 * dt) * w[3]);
   const Real a2 = dot(half, half);
@@ -44,7 +44,7 @@ __attribute__((flatten)) void turn_pack(State& p, std::size_t k, std::size_t cou
   for (std::size_t lane = 0; lane < count; ++lane) rows[lane].store(&p.orientation[k + lane].w);
 }
 
-/// Turns the orientations of all particles by their spins for a step of `dt` [s].
+/// Rotates the orientations of all particles by their angular velocities for a step of `dt` [s].
 template <class Arch, class State>
 void turn_spheres(State& p, double dt, const Team& team) {
   constexpr std::size_t W = Lanes<Arch>::width;

@@ -13,15 +13,16 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// When a bond ends, half steps from the middle between two of them.
+/// When a bond ends, in half steps relative to the midpoint between two force computations.
 enum class BondEnds : int {
-  BeforeForces = -1,  // a particle of it has gone: its force acted until half a step ago
+  BeforeForces = -1,  // one of its particles was removed: its force acted until half a step ago
   AfterForces = 1     // overloaded: its force acts until the middle of the next step
 };
 
-/// A bond as readers see it. `dt` [s]: the step, if it ends now. What its springs give until its
-/// force does not act any more is not lost, and what its dashpots take is, as far as
-/// EnergyBook::bonds_damped() does not have it.
+/// A bond as readers see it. `dt` [s]: the step, if the bond ends now. The energy is corrected for
+/// the interval until its force stops acting: work that its springs still do does not count as
+/// lost, and dissipation of its dashpots does, as far as EnergyBook::bonds_damped() does not
+/// include it.
 template <class Model>
 BondSeen see_bond(const Model& model, const BondStrain<double>& strain,
                   const typename Model::template Numbers<double>& numbers, double dt,
@@ -38,22 +39,23 @@ BondSeen see_bond(const Model& model, const BondStrain<double>& strain,
   return out;
 }
 
-/// Bonds of particles to walls: few, so one by one. The bond's middle is at the wall.
+/// Bonds between particles and walls. There are few, so they are computed one by one. The bond's
+/// midpoint is at the wall.
 template <class Model>
 class WallBonds {
  public:
   struct Bond {
     ParticleId i;
     std::size_t wall;
-    Vec3d place;            // [m] on the wall, in its axes
+    Vec3d place;            // [m] on the wall, in its coordinates
     BondRest<double> rest;  // share = 1
     typename Model::template Numbers<double> numbers;
     std::uint64_t number;
-    bool excludes;  // their contact
+    bool excludes;  // the bond excludes the contact
   };
   std::vector<Bond> all;
 
-  /// Drops those of particles that have left, and of walls that are gone.
+  /// Removes the bonds of particles that have left and of walls that were removed.
   template <class Engine>
   void follow(const Engine& e) {
     if (all.empty()) return;
@@ -64,7 +66,7 @@ class WallBonds {
       }
     close_up();
   }
-  /// Whether one of the bonds of a particle and a wall excludes their contact.
+  /// Whether a bond between this particle and wall excludes their contact.
   bool exclude(ParticleId i, std::size_t wall) const {
     return std::any_of(all.begin(), all.end(),
                        [&](const Bond& b) { return b.excludes && b.i == i && b.wall == wall; });
@@ -73,8 +75,8 @@ class WallBonds {
     std::erase_if(all, [](const Bond& b) { return b.i == no_particle; });
   }
 
-  /// Adds the loads of all to particles and walls; over(seen, place) is told of those that are
-  /// overloaded. Returns the power of dashpots [W].
+  /// Adds the loads of all bonds to particles and walls; over(seen, place) is called for those that
+  /// are overloaded. Returns the power of dashpots [W].
   template <class Engine, class Domain, class Over>
   double push(Engine& e, const Domain& domain, const Model& model, double dt, const Over& over) {
     double power = 0;
@@ -112,7 +114,7 @@ class WallBonds {
   }
 
  private:
-  /// `dt`: the last step's; 0: velocities do not matter.
+  /// `dt`: the last step; 0: velocities do not matter.
   template <class Engine, class Domain>
   static BondedEnds<double> ends_at(const Engine& e, const Domain& domain, const Bond& b,
                                     double dt) {
@@ -125,7 +127,7 @@ class WallBonds {
     Vec3d velocity{0, 0, 0}, spin{0, 0, 0};
     if (dt > 0 && wall.moves()) {
       velocity = mean_velocity(wall, at, dt);
-      // To third order in the turn of a step.
+      // Third order in the rotation per step.
       const Quaternion turn = wall.pose.rotation * conjugate(wall.last_pose.rotation);
       spin = (turn.w < 0 ? -2 : 2) / dt * turn.vector();
     }

@@ -32,7 +32,7 @@ struct IsParticles<Particles<S>> : std::true_type {};
 template <class P>
 struct IsContacts : std::bool_constant<is_contacts<P>> {};
 
-/// A search is a finder itself, or something that holds one (a Verlet list).
+/// A search policy is a finder itself, or contains one (a Verlet list).
 template <class P>
         struct IsSearch : std::bool_constant < NeighbourSearch<P> ||
     requires(P p) {
@@ -44,8 +44,8 @@ template <class P>
   P::is_domain;
 } > {};
 
-/// In place of a fluid, of which the engine knows what it gives alone: with other drag laws it is
-/// the same engine.
+/// Placeholder for a fluid. The engine only knows which loads a fluid gives, so it is the same
+/// engine for all drag laws.
 template <FromFluid What>
 struct FluidThatGives {
   static constexpr bool active = What != FromFluid::Nothing, turns = detail::turns(What),
@@ -57,7 +57,7 @@ struct IsFluid : std::bool_constant<FluidCoupling<P>> {};
 template <FromFluid What>
 struct IsFluid<FluidThatGives<What>> : std::true_type {};
 
-/// What particles are given by a fluid.
+/// Which loads particles receive from a fluid.
 template <class F>
 inline constexpr FromFluid loads_of_fluid = [] {
   using Is = FluidTraits<F>;
@@ -125,7 +125,7 @@ inline constexpr bool belongs_to_an_axis =
 template <template <class> class Is, class... Policies>
 inline constexpr int count = (0 + ... + int{Is<Policies>::value});
 
-/// One of each axis at most but modules, with particles and contacts.
+/// At most one policy per axis (any number of modules); particles and contacts are required.
 template <class... Policies>
 inline constexpr bool make_a_simulation =
     count<IsParticles, Policies...> == 1 && count<IsContacts, Policies...> == 1 &&
@@ -150,7 +150,7 @@ struct Pick<Is, Default, First, Rest...> {
 template <template <class> class Is, class Default, class... Policies>
 using pick = typename Pick<Is, Default, Policies...>::type;
 
-/// The argument of type T among those given.
+/// The argument of type T among the given ones.
 template <class T, class First, class... Rest>
 T& take(First& first, Rest&... rest) {
   if constexpr (std::is_same_v<T, std::remove_cv_t<First>>)

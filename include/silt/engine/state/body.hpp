@@ -18,21 +18,22 @@ struct alignas(32) Body {
   Quaternion orientation;  // principal axes to space
   Vec3d momentum;          // [kg m2/s] angular, in principal axes, at the last half step
   double scale;            // [-] of its form
-  Vec3d inertia;           // [kg m2] principal moments; of fixed ones 1
+  Vec3d inertia;           // [kg m2] principal moments; 1 for fixed bodies
   ParticleId id;           // no_particle: has left
   std::uint32_t form;
-  std::uint32_t first = 0;  // place of the row of its first part in `rows`
-  Vec3d lever{0, 0, 0};     // [m] BodyForm::lever in its size
+  std::uint32_t first = 0;  // index in `rows` of the row of its first part
+  Vec3d lever{0, 0, 0};     // [m] BodyForm::lever times scale
 
-  Vec3d angular_velocity(const Vec3d& of) const {  // [rad/s] in space
+  Vec3d angular_velocity(const Vec3d& of) const {  // [rad/s] in the space frame
     return rotate(orientation, {of.x / inertia.x, of.y / inertia.y, of.z / inertia.z});
   }
-  /// How fast [m/s] its surface moves along its normal, at most, by the angular velocity w [rad/s]
-  /// in principal axes: that of its tips. 0 for a ball, and for a disc that turns about its axis.
+  /// Upper bound [m/s] of the normal velocity of its surface due to rotation with the angular
+  /// velocity w [rad/s] in principal axes: the speed of its tips. 0 for a ball, and for a disc
+  /// rotating about its axis.
   double tip_speed(const Vec3d& w) const {
     return std::abs(w.x) * lever.x + std::abs(w.y) * lever.y + std::abs(w.z) * lever.z;
   }
-  /// Of its fastest points [m/s], at the last half step.
+  /// Speed of its fastest points [m/s], at the last half step.
   double speed() const {
     return norm(velocity) +
            tip_speed({momentum.x / inertia.x, momentum.y / inertia.y, momentum.z / inertia.z});

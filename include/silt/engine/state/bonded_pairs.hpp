@@ -11,9 +11,10 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Which pairs of particles are bonded, by their ids: they are no contacts. A table of open
-/// addresses that is at most two thirds full, of 16 bytes a place. Particles that are bonded to a
-/// wall, and are no contact with it, stand there with an id of its own, from the largest on.
+/// The pairs of particles that are bonded, by id; bonded pairs are not contacts. A hash table with
+/// open addressing, at most two thirds full, with 16 bytes per entry. Particles bonded to a wall,
+/// whose contact with it is excluded, are stored with an id for the wall, counted down from the
+/// largest one.
 class BondedPairs {
  public:
   bool holds(ParticleId a, ParticleId b) const {
@@ -26,7 +27,7 @@ class BondedPairs {
   }
   void remove(ParticleId a, ParticleId b) {
     if (!holds(a, b)) return;
-    // What stands behind it, and would be missed from the gap on, moves up.
+    // Entries behind the gap that would no longer be found are moved up.
     std::size_t gap = place_of(sorted(a, b));
     for (std::size_t k = next(gap); places_[k] != nobody; k = next(k)) {
       const std::size_t home = home_of(places_[k]);
@@ -36,8 +37,7 @@ class BondedPairs {
     places_[gap] = nobody, --used_;
   }
   static ParticleId id_of_wall(std::size_t wall) { return no_particle - wall; }
-  /// Particles, with their walls, whose contacts begin now: what they overlap by at the next
-  /// pruning is left out of them.
+  /// Particles and walls whose contacts begin now: their overlap at the next pruning is excluded.
   std::vector<std::pair<ParticleId, std::uint64_t>> freed_at_walls;
 
   std::size_t bytes() const { return places_.capacity() * sizeof(Pair); }
@@ -53,7 +53,7 @@ class BondedPairs {
     z = (z ^ (z >> 32)) * 0xd6e8feb86659fd93u;
     return (z ^ (z >> 32)) & (places_.size() - 1);
   }
-  /// Where it stands, or may stand.
+  /// The place of an entry, or where it would be inserted.
   std::size_t place_of(const Pair& p) const {
     std::size_t k = home_of(p);
     while (places_[k] != p && places_[k] != nobody) k = next(k);

@@ -11,9 +11,9 @@
 
 #include <silt/core/threads.hpp>
 
-/// State is kept in tables made of columns, each with one row a particle (or part of a body). A
-/// table declares its columns once, in columns(): adding, sorting, parking and copying rows,
-/// checkpoints and the bytes of a particle follow from that.
+/// State is stored in tables of columns, each with one row per particle (or part of a body). A
+/// table declares its columns once, in columns(). Adding, sorting, removing and copying rows,
+/// checkpoints and the memory per particle are derived from that declaration.
 ///
 ///   struct Charges {
 ///     std::vector<double> charge;  // [C]
@@ -24,7 +24,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What a column is called in checkpoints: a name, or one with a number in it ("module2.fields").
+/// The name of a column in checkpoints: a plain name, or one with a number ("module2.fields").
 struct ColumnName {
   const char* before;
   int number = -1;
@@ -41,15 +41,15 @@ struct Column {
   using Value = T;
   ColumnName name;
   At at;
-  T start;   // of a new row, before anything is known of it
+  T start;   // of a new row
   T parked;  // of a row whose particle has left
 };
-/// A column of a table of values T.
+/// A column of a table with values of type T.
 template <class T, class At>
 constexpr Column<At, T> column(ColumnName name, At at, T start = {}, T parked = {}) {
   return {name, at, start, parked};
 }
-/// What make() returns, a tuple of columns, where a table has them; else none.
+/// The tuple of columns that make() returns if a table has them; else an empty one.
 template <bool Has, class Make>
 constexpr auto columns_if(const Make& make) {
   if constexpr (Has)
@@ -101,7 +101,7 @@ void gather(V& values, std::span<const std::uint32_t> order, const Team& team) {
   });
   values.swap(sorted);
 }
-/// Row order[k] goes to place k; those not named are dropped.
+/// Moves row order[k] to place k; rows not in `order` are dropped.
 template <class Table>
 void gather_rows(Table& table, std::span<const std::uint32_t> order, const Team& team) {
   for_each_column(table, [&](const auto&, auto& values) { gather(values, order, team); });

@@ -18,7 +18,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What contacts keep and give besides what the law says, by the shape.
+/// What contacts store and provide in addition to the law, depending on the shape.
 template <class ShapeType, class Contacts>
 struct ContactsOf;
 template <class ContactsType>
@@ -48,9 +48,9 @@ template <bool Summed, class Contacts>
 using WithVirialIf = typename std::conditional_t<Summed, std::type_identity<WithVirial<Contacts>>,
                                                  std::type_identity<Contacts>>::type;
 
-/// In place of Bonds.
+/// Used without Bonds.
 struct NoBonds {};
-/// In place of Breakage.
+/// Used without Breakage.
 struct NoBreakage {};
 template <class Contacts>
 struct WithImpactsOf<NoBreakage, Contacts> {
@@ -68,9 +68,9 @@ struct OnlyModules<ModuleList<Ms...>, First, Rest...> {
                                            OnlyModules<ModuleList<Ms...>, Rest...>>::type;
 };
 
-/// The policies of a simulation by their axes, and all that follows from which they are. Engine
-/// parts have it as their argument; what runs in lanes takes of it what changes its code alone, so
-/// that simulations share it.
+/// The policies of a simulation by axis, and everything derived from their types. It is the
+/// template argument of the engine's parts. SIMD kernels receive only what changes their code, so
+/// that simulations share compiled kernels.
 template <class... Policies>
 struct Composition {
   using ParticlesType = pick<IsParticles, void, Policies...>;
@@ -87,10 +87,10 @@ struct Composition {
   using Breaking = pick<IsBreakage, NoBreakage, Policies...>;
   using Ranks = pick<IsRanks, NoRanks, Policies...>;
   using Shape = typename ParticlesType::ShapeType;
-  using Scalar = typename Precision::PairScalar;  // of the work on pairs
+  using Scalar = typename Precision::PairScalar;  // precision of the pair computations
 
   static constexpr bool of_bodies = BodyShape<Shape>;      // rows are parts of rigid bodies
-  static constexpr bool has_surfaces = SolidShape<Shape>;  // ... with narrow phases of their own
+  static constexpr bool has_surfaces = SolidShape<Shape>;  // with their own narrow phases
   static constexpr bool has_ledger = count<IsLedger, Policies...> > 0;
   static constexpr bool has_events = count<IsContactEvents, Policies...> > 0;
   static constexpr bool has_bonds = count<IsBonds, Policies...> > 0;
@@ -99,7 +99,7 @@ struct Composition {
   static constexpr bool rotates = UserContacts::rotates || of_bodies;
   static constexpr FromFluid from_fluid = loads_of_fluid<Fluid>;
 
-  // Each keeps more behind what those inside it keep (contact_memory.hpp).
+  // Each wrapper adds history values behind those of the type it wraps (contact_memory.hpp).
   using LedgerContacts = std::conditional_t<has_ledger, WithLedger<UserContacts>, UserContacts>;
   using ShapeContacts = typename ContactsOf<Shape, LedgerContacts>::type;
   using OffsetContacts = WithOffsetIf<has_bonds || has_breakage, ShapeContacts>;
@@ -158,8 +158,8 @@ struct Composition {
                 "Mixed precision is for spheres and bodies made of spheres; leave it out");
 };
 
-/// Policies in the order of their axes, without those that are an axis' default: whichever way a
-/// user writes a simulation down, it has one composition, and its engine is compiled once.
+/// Policies in the order of their axes, without those equal to the default. However a user orders
+/// them, a simulation has one composition, and its engine is compiled once.
 template <class... Ps>
 struct Policies {
   template <class... More>
@@ -167,7 +167,7 @@ struct Policies {
   using Composed = Composition<Ps...>;
   static constexpr std::size_t number = sizeof...(Ps);
 };
-/// The policies among `Ps` that are of an axis, less its default.
+/// The policies among `Ps` that belong to an axis, without its default.
 template <template <class> class Is, class Default, class... Ps>
 struct OfAxis {
   using type = Policies<>;

@@ -12,26 +12,26 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What a fluid gives particles.
+/// The loads that a fluid applies to particles.
 enum class FromFluid { Nothing, Force, ForceAndTorque, FollowedForce, FollowedForceAndTorque };
 constexpr bool turns(FromFluid what) {
   return what == FromFluid::ForceAndTorque || what == FromFluid::FollowedForceAndTorque;
 }
-/// With drag that is found anew in each particle step (FollowedDrag).
+/// Whether drag is recomputed in each particle step (FollowedDrag).
 constexpr bool follows(FromFluid what) {
   return what == FromFluid::FollowedForce || what == FromFluid::FollowedForceAndTorque;
 }
 
-/// A vector as a row of lanes, and a fourth number that goes with it.
+/// A vector as a row of four lanes; the fourth number belongs to it.
 struct alignas(32) VectorRow {
   double x = 0, y = 0, z = 0, fourth = 0;
   Vec3d vector() const { return {x, y, z}; }
   static VectorRow of(const Vec3d& v) { return {v.x, v.y, v.z, 0}; }
 };
 
-/// Loads of a fluid on particles, one row each, which act until the fluid is asked again; and what
-/// the coupling must know of that moment then. A particle that is new has none, and an unforced
-/// velocity that is not a number.
+/// Loads of a fluid on particles, one row each, applied until the fluid is evaluated again, and the
+/// data that the coupling then needs from this evaluation. A new particle has no load, and NaN as
+/// unforced velocity.
 template <FromFluid What>
 struct FluidLoads {
   static constexpr bool any = What != FromFluid::Nothing;
@@ -39,17 +39,17 @@ struct FluidLoads {
 
   AlignedVector<VectorRow> force;   // [N]
   AlignedVector<VectorRow> torque;  // [N m]
-  /// [m/s] What the velocity would be now if only drag had acted since the fluid was asked: what it
-  /// differs by is the work of all else.
+  /// [m/s] The velocity the particle would now have if only drag had acted since the last
+  /// evaluation; the difference to its velocity is due to all other forces.
   AlignedVector<VectorRow> unforced;
-  // Of drag that follows the velocity; the fourth number of each in brackets.
+  // For drag that is recomputed in each step. The fourth number of each row is given in brackets.
   AlignedVector<VectorRow> held;       // [N] forces besides drag (drag coefficient [kg/s])
   AlignedVector<VectorRow> flow;       // [m/s] the fluid's velocity (voidage [-])
-  AlignedVector<VectorRow> reference;  // [m/s] slip (voidage [-]) that the coefficient is of
+  AlignedVector<VectorRow> reference;  // [m/s] slip (voidage [-]) of the coefficient
   AlignedVector<VectorRow>
-      given;  // [N s] by the fluid's step, with what it owed (diameter [m]; 0: none)
-  AlignedVector<VectorRow> taken;  // [N s] since then, less what the step is for
-  Vec3d left{0, 0, 0};             // [N s] taken by those that have left since it was last read
+      given;  // [N s] for the fluid step, remainder included (diameter [m]; 0: none)
+  AlignedVector<VectorRow> taken;  // [N s] since then, less the planned part
+  Vec3d left{0, 0, 0};             // [N s] taken by particles that left since the last read
 
   static constexpr auto columns() {
     constexpr VectorRow unknown{std::numeric_limits<double>::quiet_NaN(), 0, 0, 0};
@@ -79,7 +79,7 @@ struct FluidLoads {
                   "fluid.taken", [](auto& t) -> auto& { return t.taken; })};
         }));
   }
-  /// Before row k is parked.
+  /// Called before row k is parked.
   void leave([[maybe_unused]] std::size_t k) {
     if constexpr (follows) left += taken[k].vector();
   }

@@ -19,7 +19,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The module with a field of this name alone, as Field and BodyForce have it.
+/// The module whose only field has this name, as for Field and BodyForce.
 template <FixedName Name, class... Ms>
 struct Named {
   static_assert(sizeof...(Ms) > 0,
@@ -41,7 +41,7 @@ struct Named<Name, First, Rest...> {
                                            std::type_identity<First>, Named<Name, Rest...>>::type;
 };
 
-/// The module with these Fields.
+/// The module with this Fields type.
 template <class Fields, class... Ms>
 struct Having {
   static_assert(sizeof...(Ms) > 0,
@@ -73,7 +73,7 @@ struct ModuleList {
     ((std::is_same_v<M, Ms> ? found = std::min(found, at++) : at++), ...);
     return found;
   }();
-  /// Of those that wear walls: how many there are, and which one this is.
+  /// The number of modules that wear walls, and the index of this one among them.
   static constexpr std::size_t wearing = (std::size_t{0} + ... + std::size_t{WearsWalls<Ms>});
   template <class M>
   static constexpr std::size_t wear_index = [] {
@@ -100,12 +100,12 @@ struct ModuleList {
   /// The one whose only field has this name.
   template <FixedName Name>
   using named = typename Named<Name, Ms...>::type;
-  /// The one with these Fields.
+  /// The module with this Fields type.
   template <class Fields>
   using having = typename Having<Fields, Ms...>::type;
 };
 
-/// What a module is called in messages and files.
+/// The name of a module in messages and files.
 template <class M>
 std::string name_of_module() {
   const std::string_view all = __PRETTY_FUNCTION__;
@@ -115,11 +115,11 @@ std::string name_of_module() {
   if (const auto colon = name.rfind("::"); colon != name.npos) name.erase(0, colon + 2);
   return name;
 }
-/// Doubles in the fields of a module.
+/// Number of doubles in the fields of a module.
 template <class M>
 inline constexpr std::size_t numbers_of_fields = has_fields<M> ? sizeof(FieldsOf<M>) / 8 : 0;
 
-/// How the fields of a module are written: names, and how many numbers each has.
+/// Names and component counts of the fields of a module, as written to files.
 template <class M>
 struct FieldNames {
   static constexpr std::size_t numbers = numbers_of_fields<M>;
@@ -145,9 +145,9 @@ struct FieldNames {
   }
 };
 
-/// The columns of modules, a row each of what moves (spheres or bodies): their fields, what they
-/// push with, and the flux that contacts bring. A particle that is new has fields of zeros, until
-/// its modules say how it starts.
+/// The columns of modules, one row per sphere or body: their fields, their force, and the flux
+/// received through contacts. The fields of a new particle are zero until its modules initialise
+/// them.
 template <class List>
 struct ModuleColumns;
 template <class... Ms>
@@ -156,8 +156,8 @@ struct ModuleColumns<ModuleList<Ms...>> {
   template <class M>
   using Values = std::conditional_t<has_fields<M>, AlignedVector<FieldsOf<M>>, NoFields>;
   [[no_unique_address]] std::tuple<Values<Ms>...> fields;
-  std::array<AlignedVector<double>, sizeof...(Ms)> received;  // from contacts, of those with a flux
-  AlignedVector<VectorRow> force;                             // [N] of all modules, in this step
+  std::array<AlignedVector<double>, sizeof...(Ms)> received;  // through contacts, of each flux
+  AlignedVector<VectorRow> force;                             // [N] sum over modules, in this step
   AlignedVector<VectorRow> torque;                            // [N m]
 
   template <class M>
@@ -205,8 +205,8 @@ struct ModuleColumns<ModuleList<Ms...>> {
     (visit_fields<Ms>(visit), ...);
   }
 
-  /// What a flux reads of the fields, which ghosts get at each step: one number of a module that
-  /// says which, all of one that computes from them what it has at contacts.
+  /// The part of the fields that a flux reads and that ghosts receive in each step: a single number
+  /// if the module names one; all fields if it computes its contact value from them.
   template <class M>
   static constexpr std::size_t numbers_for_flux = !Exchanges<M>        ? 0
                                                   : HasContactValue<M> ? numbers_of_fields<M>
@@ -257,7 +257,7 @@ struct ModuleColumns<ModuleList<Ms...>> {
   }
 };
 
-/// Of no modules: nothing.
+/// Without modules: empty.
 template <>
 struct ModuleColumns<ModuleList<>> {
   using ForFlux = std::array<double, 0>;

@@ -22,17 +22,17 @@ namespace silt::inline SILT_TARGET::detail {
 
 struct NoGhosts {};
 
-/// All that is known of the particles: rows, ids, and materials if there are several; the motion
-/// once more in PairScalar, if that is not double.
-/// Two rows more than particles: spheres of no radius, the partners of padding pairs.
-/// Of bodies rows are the parts; what moves has its own table then (BodyMotion).
+/// The state of all particles: rows, ids, and materials if there are several; and a second copy of
+/// the motion in PairScalar, if that is not double. There are two rows more than particles: dummy
+/// spheres of radius 0, the partners of padding pairs. For bodies, rows are their parts; the bodies
+/// themselves are in another table (BodyMotion).
 template <class Composition>
 class ParticleState {
   static constexpr bool Rotates = Composition::Contacts::rotates,
                         SeveralMaterials = Composition::several_materials,
                         OfBodies = Composition::of_bodies, Bonded = Composition::has_bonds;
   using PairScalar = typename Composition::Scalar;
-  /// Of position and of spin velocity each, that the integrator keeps.
+  /// Derivatives of position and of spin velocity that the integrator stores.
   static constexpr std::size_t Derivatives = Composition::Integrator::derivatives;
   static constexpr FromFluid Given = OfBodies ? FromFluid::Nothing : Composition::from_fluid;
   using Columns =
@@ -40,7 +40,7 @@ class ParticleState {
 
  public:
   static constexpr std::size_t derivative_rows = Derivatives * (1 + Rotates);
-  /// Rows of four; the very first entry is not a number as long as they are not known.
+  /// Rows of four; the first entry is NaN until the derivatives are known.
   struct alignas(32) HigherDerivatives {
     double row[derivative_rows == 0 ? 1 : derivative_rows][4];
   };
@@ -56,33 +56,34 @@ class ParticleState {
 
   AlignedVector<PositionRow> position;
   AlignedVector<ParticleMotion> motion;
-  AlignedVector<HigherDerivatives> derivatives;  // if the integrator has any
+  AlignedVector<HigherDerivatives> derivatives;  // if the integrator uses any
   std::vector<ParticleId> id;
   std::vector<std::uint16_t> material;
-  std::vector<PartRow> part;              // of bodies
-  AlignedVector<Quaternion> orientation;  // of spheres, since they came and a bond was made
-  // Follows the list of bonds, which drops those of particles that have left when it is looked at.
+  std::vector<PartRow> part;              // for bodies
+  AlignedVector<Quaternion> orientation;  // of spheres, once there is a bond
+  // Mirrors the list of bonds; bonds of particles that have left are removed when it is next read.
   [[no_unique_address]] mutable std::conditional_t<Bonded, BondedPairs, NoPairs> bonds;
   [[no_unique_address]] FluidLoads<Given> fluid;
   [[no_unique_address]] Columns modules;
   double largest_radius = 0;   // [m]
   double smallest_radius = 0;  // [m]
   double mean_diameter = 0;    // [m]
-  bool some_fixed = false;     // particles of infinite mass
-  std::size_t parked = 0;      // those that have left since the last search
-  // The last rows, which are other ranks': they act on those before them, and do not move here.
+  bool some_fixed = false;     // some particles have infinite mass
+  std::size_t parked = 0;      // number that left since the last search
+  // Number of ghosts, the last rows: copies of other ranks' particles, which act on the rows before
+  // them and are not moved here.
   [[no_unique_address]] std::conditional_t<of_ranks, std::size_t, NoGhosts> ghosts{};
-  std::uint64_t changes = 0;  // how often places were given anew; who comes or leaves changes none
+  std::uint64_t changes = 0;  // how often places were reassigned
 
-  /// The motion as the pair kernel reads it.
+  /// The motion in the precision of the pair kernel.
   const PairMotion* pair_motion() const {
     if constexpr (single)
       return pair_motion_.data();
     else
       return motion.data();
   }
-  PairMotion* pair_rows() { return pair_motion_.data(); }  // of its own, if single
-  /// Copies all of the motion to where the pair kernel reads it; kicks then keep it up to date.
+  PairMotion* pair_rows() { return pair_motion_.data(); }  // the separate copy, if single precision
+  /// Copies all motion to the pair kernel's copy; kicks then keep it up to date.
   void renew_pair_motion(const Team& team) {
     if constexpr (single) {
       pair_motion_.resize(motion.size());
@@ -98,13 +99,13 @@ class ParticleState {
       if (k < pair_motion_.size()) set_pair_motion(k);
   }
 
-  /// Changes the velocity of row k by dv [m/s]; pair_motion() follows with the next kick.
+  /// Changes the velocity of row k by dv [m/s]; pair_motion() is updated at the next kick.
   void add_velocity(std::size_t k, const Vec3d& dv) {
     auto& m = motion[k];
     m.vx += dv.x, m.vy += dv.y, m.vz += dv.z;
   }
   std::size_t size() const { return id.size(); }
-  /// The first rows, which are this rank's own; all, where there is but one.
+  /// Number of rows owned by this rank, which come first; all rows if there is a single rank.
   std::size_t owned() const {
     if constexpr (of_ranks)
       return size() - ghosts;
@@ -142,7 +143,7 @@ class ParticleState {
         }));
   }
 
-  /// Of bodies `body` is what the row is a part of.
+  /// For bodies, `body` says which one the row belongs to.
   void add(const PositionRow& p, const ParticleMotion& m, ParticleId new_id, std::uint16_t of,
            [[maybe_unused]] const PartRow& body = {}) {
     const std::size_t k = size();
@@ -155,7 +156,7 @@ class ParticleState {
     pad();
   }
 
-  /// Measures sizes anew after particles were added or dropped.
+  /// Recomputes the size statistics after particles were added or dropped.
   void measure() {
     largest_radius = 0, mean_diameter = 0;
     for (const auto& p : rows()) {
@@ -165,7 +166,7 @@ class ParticleState {
     if (owned() > 0) mean_diameter /= static_cast<double>(owned());
     measure_others();
   }
-  /// The same where the rows from `first` on are new.
+  /// The same if only the rows from `first` on are new.
   void measure_newcomers(std::size_t first) {
     double sum = mean_diameter * static_cast<double>(first);
     if (first == 0) largest_radius = 0, smallest_radius = std::numeric_limits<double>::infinity();
@@ -177,14 +178,14 @@ class ParticleState {
     }
     if (size() > 0) mean_diameter = sum / static_cast<double>(size());
   }
-  /// After the radius of row k, which was `before` [m], has changed. The largest and the smallest
-  /// are bounds until sizes are measured anew.
+  /// Call after the radius of row k, previously `before` [m], has changed. The largest and smallest
+  /// radius are bounds until sizes are measured again.
   void include_size(std::size_t k, double before) {
     largest_radius = std::max(largest_radius, position[k].r);
     smallest_radius = std::min(smallest_radius, position[k].r);
     mean_diameter += 2 * (position[k].r - before) / static_cast<double>(size());
   }
-  /// Completes a restored state, sizes as they were measured.
+  /// Completes a restored state; sizes are those saved.
   void restored(double radius, double diameter) {
     largest_radius = radius, mean_diameter = diameter;
     parked = static_cast<std::size_t>(
@@ -192,7 +193,7 @@ class ParticleState {
     measure_others();
   }
 
-  /// Takes particle k out of all contacts at once; the next search drops it.
+  /// Removes particle k from all contacts at once; the next search drops its row.
   void park(std::size_t k) {
     fluid.leave(k);
     park_row(*this, k), park_row(fluid, k), park_row(modules, k);
@@ -200,7 +201,7 @@ class ParticleState {
   }
   bool is_parked(std::size_t k) const { return id[k] == no_particle; }
 
-  /// Keeps particle order[k] in place k; particles not named are dropped.
+  /// Moves particle order[k] to place k; particles not in `order` are dropped.
   void reorder(std::span<const std::uint32_t> order, const Team& team) {
     gather_rows(*this, order, team), gather_rows(fluid, order, team);
     gather_rows(modules, order, team);
@@ -208,7 +209,7 @@ class ParticleState {
     ++changes;
   }
 
-  /// Before rows are put behind the last one column by column; pad() then.
+  /// Call before rows are appended column by column; pad() must follow.
   void take_off_pads() {
     position.resize(size()), motion.resize(size());
     if constexpr (Bonded) orientation.resize(size());
@@ -226,7 +227,7 @@ class ParticleState {
   }
 
  private:
-  AlignedVector<PairMotion> pair_motion_;  // if it differs from motion
+  AlignedVector<PairMotion> pair_motion_;  // if it is not the same as motion
 
   void set_pair_motion(std::size_t k) {
     const ParticleMotion& m = motion[k];

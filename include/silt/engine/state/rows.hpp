@@ -9,9 +9,9 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What else the pair kernel needs of one sphere. Every entry enters a pair as a sum or difference,
-/// so that one signed multiply-add of two rows gives the pair's row: v_i - v_j, 1/m*, the spin
-/// velocity r_i w_i + r_j w_j, 1/R*.
+/// Motion of one sphere as the pair kernel reads it. Every entry enters a pair as a sum or
+/// difference, so that one signed multiply-add of two rows gives the row of the pair: v_i - v_j,
+/// 1/m*, the spin velocity r_i w_i + r_j w_j, 1/R*.
 template <bool Rotates, class Scalar = double>
 struct MotionRow;
 
@@ -35,10 +35,10 @@ struct alignas(4 * sizeof(Scalar)) MotionRow<false, Scalar> {
 static_assert(sizeof(PositionRow) == 32 && sizeof(MotionRow<true>) == 64 &&
               sizeof(MotionRow<false>) == 32);
 
-/// Which body a row is a part of.
+/// The body a row is a part of.
 struct PartRow {
-  std::uint32_t body, local;  // place of the body; number of the part in its form
-  Vec3d image{0, 0, 0};       // [m] from where the body has it to where it is: periodic boxes
+  std::uint32_t body, local;  // index of the body; number of the part in its form
+  Vec3d image{0, 0, 0};       // [m] shift from the body's frame to this image (periodic boxes)
 };
 
 }  // namespace silt

@@ -5,15 +5,15 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Recursive coordinate bisection, for any number of ranks: all points are cut across the longest
-/// side of the box around them, so that the work on both sides is as the number of ranks there, and
-/// each side again. Points in the plane of a cut are told apart by their other coordinates, so that
-/// a lattice is divided as well as points at random. Needs no other library.
+/// Recursive coordinate bisection for any number of ranks: all points are cut across the longest
+/// side of their bounding box such that the work on both sides is in proportion to the number of
+/// ranks there, and then each side again. Points in the plane of a cut are ordered by their other
+/// coordinates, so that a lattice is divided as well as random points. Needs no other library.
 ///
 /// Source: Berger, Bokhari, IEEE Transactions on Computers C-36 (1987) 570-580 (recalled), with
 ///         weights and with sides for any number of ranks.
 /// Tests:  tests/parallel/decompositions.cpp (work within 1.14 of one point's weight of the mean).
-/// Valid:  any number of ranks and any place of the points.
+/// Valid:  any number of ranks and any positions of the points.
 /// Units:  [m]; work in units of the weights.
 /// Errors: none.
 struct Bisection {
@@ -23,7 +23,7 @@ struct Bisection {
     int left, right;
     detail::PlaceKey cut;
   };
-  std::vector<Node> nodes = {};  // the first is the root; none: all belongs to rank 0
+  std::vector<Node> nodes = {};  // the first is the root; none: rank 0 owns all
 
   static constexpr bool by_place = true;
 
@@ -31,8 +31,8 @@ struct Bisection {
   std::vector<int> partition(const C& comm, std::span<const Vec3d> points,
                              std::span<const double> weights) {
     const detail::WholeWeights whole(comm, points, weights);
-    const auto before = std::exchange(nodes, {});  // which node divides which ranks never changes
-    // Nodes of one level at a time: ranks first ... first + ranks - 1, all of these points.
+    const auto before = std::exchange(nodes, {});  // the tree of ranks never changes
+    // Nodes of one level at a time: ranks first ... first + ranks - 1, and all of their points.
     struct Part {
       int first, ranks;
       std::int64_t weight;  // of all ranks
@@ -107,7 +107,7 @@ struct Bisection {
   }
 
  private:
-  /// Collective: the box around each part's points; empty where there are none.
+  /// Collective: the bounding box of each part's points; empty where there are none.
   template <Communicator C, class Parts>
   static std::vector<Box> boxes_of(const C& comm, std::span<const Vec3d> points,
                                    const Parts& parts) {
@@ -126,8 +126,8 @@ struct Bisection {
     return boxes;
   }
 
-  /// The longest side, but the one before as long as that is nearly as long: parts that turn are
-  /// parts whose points all move.
+  /// The axis of the longest side; the previous axis is kept while its side is nearly as long,
+  /// because a change of axis moves all points of a part.
   static int axis_for(const Box& box, int before) {
     const auto e = box.extent();
     const std::array<double, 3> side{e.x, e.y, e.z};

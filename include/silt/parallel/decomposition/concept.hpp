@@ -16,23 +16,22 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Which rank has which point. Nothing but points and their weights is known here.
+/// Which rank owns which point. A decomposition knows nothing but points and their weights.
 ///
-///   partition(comm, points, weights)   collective; each rank gives its own points and, of each,
-///   the
-///                                      work that it makes; returns the rank that each shall belong
-///                                      to. A point that is not finite stays
-///   by_place                           whether a place alone says which rank has it. If so,
-///   rank_of(place)                     says which, after the last partition; that is the rank
-///   which
-///                                      partition has returned for a point there
+///   partition(comm, points, weights)   collective; each rank gives its own points and the work of
+///                                      each; returns the new rank of each point. A point that is
+///                                      not finite stays
+///   by_place                           whether a position alone determines the rank. If so,
+///   rank_of(place)                     returns the rank after the last partition; it is the rank
+///                                      that partition has returned for a point there
 ///
 /// A policy may have for_each_state(visit), which calls visit(value) for each number, or vector of
-/// numbers, that it remembers of the partition before: checkpoints keep these then, and a run that
-/// goes on from one on as many ranks has the same bits. Without it the space is divided anew.
+/// numbers, that it remembers of the previous partition. Checkpoints then save these, and a run
+/// continued from one on the same number of ranks is bitwise the same. Without it space is divided
+/// anew.
 ///
-/// The result depends on points, weights and what the policy remembers of the partition before, not
-/// on clocks or on the order of messages: the bits repeat.
+/// The result depends on points, weights and the remembered values only, not on clocks or on the
+/// order of messages: results are bitwise reproducible.
 template <class D, class C>
 concept Decomposition = Communicator<C> && std::movable<D> &&
     requires(D& parts, const D& same, const C& comm, std::span<const Vec3d> points,
@@ -44,16 +43,16 @@ concept Decomposition = Communicator<C> && std::movable<D> &&
   };
 };
 
-/// Work of all ranks: the largest of one rank, the mean, and whose the largest is.
+/// Work of all ranks: the largest of one rank, the mean, and the rank with the largest.
 struct Load {
   double largest = 0, mean = 0;  // [-] in units of the weights
   int rank = 0;
 
-  /// Largest over mean; 1 is the best.
+  /// Largest over mean; 1 is ideal.
   double imbalance() const { return mean > 0 ? largest / mean : 1; }
 };
 
-/// Collective: the load if this rank has so much work.
+/// Collective: the load if this rank has this much work.
 template <Communicator C>
 Load load_of(const C& comm, double own) {
   const auto each = gather_each(comm, own);
@@ -69,8 +68,8 @@ Load load_of(const C& comm, double own) {
 
 namespace detail {
 
-/// Weights as whole numbers, whose sums do not depend on order and so not on which rank has which
-/// point; and what all ranks know of the points together.
+/// Weights as integers, whose sums do not depend on order and so not on the distribution of points;
+/// and what all ranks know of the points together.
 struct WholeWeights {
   std::vector<std::int64_t> weights;  // of finite points, else 0
   std::int64_t total = 0;             // of all ranks
@@ -95,7 +94,7 @@ struct WholeWeights {
     largest = most[6];
     box = {{-most[0], -most[1], -most[2]}, {most[3], most[4], most[5]}};
     comm.sum_of({&points, 1});
-    // Below 2^60 together: exact, and far from what 64 bits hold.
+    // The sum is below 2^60: exact, and far from the range of 64 bits.
     const int bits = 59 - static_cast<int>(std::bit_width(static_cast<std::uint64_t>(points)));
     const int shift = largest > 0 ? bits - std::ilogb(largest) - 1 : 0;
     for (std::size_t k = 0; k < all.size(); ++k) {

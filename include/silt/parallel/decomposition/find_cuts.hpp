@@ -11,8 +11,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A place in the order along an axis. Places with the same coordinate along it are told apart by
-/// the other two: layers of a lattice can be divided, too.
+/// A position in the order along an axis. Points with the same coordinate along it are ordered by
+/// the other two, so that layers of a lattice can be divided, too.
 struct PlaceKey {
   std::array<std::int64_t, 3> along;
 
@@ -21,7 +21,7 @@ struct PlaceKey {
     const auto at = [&](int d) { return ordered_key(x[static_cast<std::size_t>((axis + d) % 3)]); };
     return {{at(0), at(1), at(2)}};
   }
-  /// Behind all places whose first coordinates are these.
+  /// Behind all points whose first coordinates are these.
   static PlaceKey end_of(std::array<std::int64_t, 3> first, std::size_t given) {
     for (std::size_t d = given; d < 3; ++d) first[d] = highest;
     return {first};
@@ -36,10 +36,10 @@ struct PlaceKey {
   static constexpr auto highest = std::numeric_limits<std::int64_t>::max();
 };
 
-/// Own points of one group in order, with sums of their weights before each.
+/// Own points of one group in order, with cumulative sums of their weights.
 struct SortedGroup {
   std::vector<PlaceKey> keys;
-  std::vector<std::int64_t> before;  // one more than keys
+  std::vector<std::int64_t> before;  // one entry more than keys
 
   SortedGroup(std::span<const Vec3d> points, std::span<const std::int64_t> weights,
               std::span<const std::size_t> members, int axis) {
@@ -52,26 +52,26 @@ struct SortedGroup {
       keys.push_back(key), before.push_back(before.back() + weight);
   }
 
-  /// How many points lie at `key` or before.
+  /// Number of points at `key` or before.
   std::size_t up_to(const PlaceKey& key) const {
     return static_cast<std::size_t>(std::upper_bound(keys.begin(), keys.end(), key) - keys.begin());
   }
 };
 
-/// Where to cut group `group`, whose points of all ranks lie in `box`, along `axis`, so that the
-/// weight before the cut comes nearest to `target`. find_cuts() fills in the rest: points at `cut`
-/// or before it lie on the left.
+/// A cut of group `group`, whose points on all ranks lie in `box`, along `axis`, such that the
+/// weight before the cut is as close as possible to `target`. find_cuts() sets the other members:
+/// points at `cut` or before it lie on the left.
 struct Cut {
   std::size_t group;
   std::int64_t target;
   int axis;
   Box box;
   PlaceKey cut = PlaceKey::before_all();
-  std::int64_t left = 0;  // weight there, of all ranks
+  std::int64_t left = 0;  // weight on the left, over all ranks
 };
 
-/// The state of the search for one cut: it lies behind points of weight `left`, among points that
-/// have the first `depth` coordinates `at` and the next one in [low, high].
+/// The state of the search for one cut: it lies behind points of weight `left`, among the points
+/// whose first `depth` coordinates are `at` and whose next one is in [low, high].
 struct CutSearch {
   std::array<std::int64_t, 3> at{};
   std::size_t depth = 0;
@@ -86,15 +86,15 @@ struct CutSearch {
   }
 };
 
-/// Collective: finds all cuts at once. Histograms of weights between two keys, refined until a bin
-/// has one point or its end is the cut; a few messages each. Keys are whole numbers: it ends after
-/// at most three times 64 bits, whatever the points are, and is exact.
+/// Collective: finds all cuts at once from histograms of weights between two keys, refined until a
+/// bin holds one point or its end is the cut; a few messages each. Keys are integers: the search
+/// ends after at most three times 64 bits, for any points, and is exact.
 template <Communicator C>
 void find_cuts(const C& comm, std::span<const SortedGroup> groups, std::span<Cut> cuts) {
   const std::size_t bins =
       std::clamp<std::size_t>(4096 / std::max<std::size_t>(1, cuts.size()), 16, 256);
   std::vector<CutSearch> searches;
-  // From the first to the last key of the next coordinate that there is.
+  // From the first to the last key that exists for the next coordinate.
   const auto begin = [](const Cut& cut, CutSearch& s) {
     s.low = PlaceKey::of(cut.box.min, cut.axis).along[s.depth];
     s.high = PlaceKey::of(cut.box.max, cut.axis).along[s.depth];
@@ -104,7 +104,7 @@ void find_cuts(const C& comm, std::span<const SortedGroup> groups, std::span<Cut
     searches.back().found = searches.back().low > searches.back().high;  // there are no points
   }
   std::vector<std::int64_t> told;
-  // Keys as they are counted: the distance of two fits into an unsigned number.
+  // Keys in counting form: the distance of two fits into an unsigned number.
   const auto key_at = [](std::int64_t low, std::uint64_t further) {
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(low) + further);
   };
@@ -147,7 +147,7 @@ void find_cuts(const C& comm, std::span<const SortedGroup> groups, std::span<Cut
       const auto all = cut.left + weight;
       const bool one_place = low == high && s.depth == 2;
       if (count <= 1 || all == cut.target || one_place) {
-        // Nothing to divide: the bin goes to where the weight comes nearer to the target.
+        // Indivisible: the bin goes to the side where the weight is closer to the target.
         const bool with = all - cut.target < cut.target - cut.left;
         cut.cut = s.end(with ? high : low - 1);
         if (with) cut.left = all;

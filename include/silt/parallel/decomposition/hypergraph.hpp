@@ -8,12 +8,12 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// A cell of a coarse grid, and what its points come to on all ranks.
+/// A cell of a coarse grid, with the sums over its points on all ranks.
 struct WorkCell {
   std::uint64_t id;
-  std::int64_t work;  // whole weights
+  std::int64_t work;  // integer weights
   std::int64_t points;
-  int rank;  // that has it, or has most of its points
+  int rank;  // the rank that owns it, or has most of its points
 
   friend bool operator<(const WorkCell& a, const WorkCell& b) { return a.id < b.id; }
 };
@@ -32,7 +32,7 @@ struct WorkGrid {
       cells[d] = 1 + static_cast<std::int64_t>(std::min(extent[d] / side, 1048574.0));
   }
 
-  /// Of the cell around a place, or the nearest one.
+  /// Indices of the cell around a position, or of the nearest cell.
   std::array<std::int64_t, 3> at(const Vec3d& p) const {
     const std::array<double, 3> x{(p.x - origin.x) / side, (p.y - origin.y) / side,
                                   (p.z - origin.z) / side};
@@ -48,7 +48,7 @@ struct WorkGrid {
     const auto k = static_cast<std::int64_t>(id);
     return {k % cells[0], k / cells[0] % cells[1], k / cells[0] / cells[1]};
   }
-  /// Calls f(id) for the cells at this distance (of the largest difference along an axis).
+  /// Calls f(id) for the cells at this distance (the largest difference along an axis).
   template <class F>
   void for_shell(const std::array<std::int64_t, 3>& c, std::int64_t distance, const F& f) const {
     for (std::int64_t k = -distance; k <= distance; ++k)
@@ -70,12 +70,12 @@ inline const WorkCell* find_cell(const std::vector<WorkCell>& cells, std::uint64
   return at != cells.end() && at->id == id ? &*at : nullptr;
 }
 
-/// What Zoltan asks of one rank: the cells that it has, each a vertex and, with those around it, a
-/// hyperedge, whose weight is the number of points that a cut through it makes ghosts.
+/// The callbacks' data of one rank: the cells that it owns. Each is a vertex and, with its
+/// neighbours, a hyperedge, whose weight is the number of points that become ghosts if it is cut.
 struct ZoltanCells {
   std::vector<WorkCell> cells;
   double mean;                                     // work of a cell
-  std::vector<std::vector<std::uint64_t>> around;  // ids, each cell's own too
+  std::vector<std::vector<std::uint64_t>> around;  // ids, including the cell's own
   int pins = 0;
 
   static const ZoltanCells& of(void* data) { return *static_cast<const ZoltanCells*>(data); }
@@ -138,32 +138,31 @@ struct ZoltanCells {
 
 }  // namespace detail
 
-/// Hypergraph partitioning by Zoltan (PHG), for MPI: parts of the same work with few ghosts between
-/// them, whatever their form. Vertices are the cells of a coarse grid; a cell with those around it
-/// is a hyperedge, whose weight is the number of its points: what is cut is the number of points
-/// that other ranks need, if nothing reaches further than a cell. Later partitions keep cells where
-/// they are unless moving them pays.
+/// Hypergraph partitioning by Zoltan (PHG), for MPI: parts of equal work with few ghosts between
+/// them, of any form. Vertices are the cells of a coarse grid; a cell with its neighbours is a
+/// hyperedge, whose weight is the number of its points: what is cut is the number of points that
+/// other ranks need, provided that no contact reaches farther than a cell. Later partitions leave
+/// cells where they are unless a move reduces the total cost.
 ///
-/// Parts are made of whole cells. Work is balanced to the tolerance, or to a cell's work.
+/// Parts consist of whole cells. Work is balanced to the tolerance, or to a cell's work.
 ///
 /// Source: Devine, Boman, Heaphy, Bisseling, Catalyurek, IPDPS (2006); Catalyurek et al., IPDPS
-/// (2007)
-///         for repartitioning (recalled); Zoltan of Trilinos 13.2, LB_METHOD = HYPERGRAPH.
+///         (2007) for repartitioning (recalled); Zoltan of Trilinos 13.2, LB_METHOD = HYPERGRAPH.
 /// Errors: InputError for settings out of range, Error if Zoltan fails.
 /// Tests:  tests/mpi/decompositions.cpp (work, ghosts beside Bisection's).
-/// Valid:  where a cell is at least as wide as contacts reach, and Zoltan is installed.
+/// Valid:  where a cell is at least as wide as the range of contacts, and Zoltan is installed.
 /// Units:  [m]; work in units of the weights.
 struct Hypergraph {
   double cell = 0;  // [m] side of the cells; 0: some cells_a_rank of them with points a rank
   double cells_a_rank = 100;
   double tolerance = 1.03;  // [-] largest over mean work that Zoltan aims at
-  /// Weight of ghosts beside that of points that move [-]; with 1 and more Zoltan begins nearly
-  /// anew.
+  /// Cost of a ghost relative to that of a point that moves [-]; from 1 on Zoltan almost ignores
+  /// the previous partition.
   double ghosts_a_move = 0.1;
   detail::WorkGrid grid = {};
   std::vector<detail::WorkCell> cells = {};  // by id, each with its rank
   detail::ZoltanHandle zoltan = {};
-  int ranks = 0;  // that it divides between
+  int ranks = 0;  // number of ranks
 
   static constexpr bool by_place = true;
 
@@ -180,7 +179,7 @@ struct Hypergraph {
       const auto before = std::pair(grid, std::move(cells));
       count_cells(comm, points, whole);
       bool again = ranks == comm.size() && !before.second.empty();
-      if (again)  // who has a cell is who had it
+      if (again)  // owners as before
         for (auto& c : cells) c.rank = rank_in(before.first, before.second, centre(c.id));
       if (cells.size() <= static_cast<std::size_t>(comm.size())) {  // nothing to divide
         for (std::size_t k = 0; k < cells.size(); ++k) cells[k].rank = static_cast<int>(k);
@@ -212,7 +211,7 @@ struct Hypergraph {
     return grid.origin + Vec3d{at(0), at(1), at(2)};
   }
 
-  /// Who has the cell around a place; where there is none, the nearest cell with points.
+  /// The rank of the cell around a position; if there is none, of the nearest cell with points.
   static int rank_in(const detail::WorkGrid& grid, const std::vector<detail::WorkCell>& cells,
                      const Vec3d& place) {
     if (cells.empty()) return 0;
@@ -240,9 +239,9 @@ struct Hypergraph {
                    const detail::WholeWeights& whole) {
     const auto e = whole.box.extent();
     double longest = std::max({e.x, e.y, e.z});
-    if (!(longest > 0)) longest = 1;  // all points are at one place
+    if (!(longest > 0)) longest = 1;  // all points coincide
     double side = cell;
-    if (cell == 0) {  // twice: of the box, and of those that have points
+    if (cell == 0) {  // twice: for the box, and for the cells with points
       const auto thick = [&](double x) { return std::max(x, 1e-3 * longest); };
       side = std::cbrt(thick(e.x) * thick(e.y) * thick(e.z) / (cells_a_rank * comm.size()));
       fill(comm, points, whole, side);
@@ -280,7 +279,7 @@ struct Hypergraph {
     }
   }
 
-  /// Collective: the cells that this rank had, with the ranks that shall have them.
+  /// Collective: the cells that this rank had, with their new ranks.
   std::vector<detail::WorkCell> divide(const MpiComm& comm, bool again) {
     if (!zoltan || ranks != comm.size()) {
       zoltan.make(comm);

@@ -8,7 +8,7 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// What Zoltan asks of one rank: its points and their weights, of mean 1.
+/// The callbacks' data of one rank: its points and their weights, of mean 1.
 struct ZoltanPoints {
   std::vector<Vec3d> points;
   std::vector<float> weights;
@@ -48,8 +48,8 @@ struct ZoltanPoints {
 
 /// Recursive coordinate bisection by Zoltan, for MPI. Bisection does the same without Zoltan.
 ///
-/// Zoltan cuts by planes along the axes. It is given the points sheared by a millionth, so that
-/// points of a lattice do not lie in one plane, which no cut could divide.
+/// Zoltan cuts by planes normal to the axes. It is given the points sheared by a millionth, so that
+/// the points of a lattice do not lie in one plane, which no cut could divide.
 ///
 /// Source: Devine, Boman, Heaphy, Hendrickson, Vaughan, Computing in Science & Engineering 4 (2002)
 ///         90-97 (recalled); Zoltan of Trilinos 13.2, LB_METHOD = RCB.
@@ -58,9 +58,9 @@ struct ZoltanPoints {
 /// Valid:  as Bisection, where Zoltan is installed.
 /// Units:  [m]; work in units of the weights.
 struct Rcb {
-  double tolerance = 1.002;  // [-] largest over mean work at which Zoltan stops to refine its cuts
+  double tolerance = 1.002;  // [-] largest over mean work at which Zoltan stops refining
   detail::ZoltanHandle zoltan = {};
-  int ranks = 0;     // that it divides between
+  int ranks = 0;     // number of ranks
   bool cut = false;  // whether there have been points
 
   static constexpr bool by_place = true;
@@ -127,7 +127,7 @@ struct Rcb {
     Zoltan_Set_Obj_List_Fn(z, detail::ZoltanPoints::list, &own);
     Zoltan_Set_Num_Geom_Fn(z, detail::ZoltanPoints::dimensions, &own);
     Zoltan_Set_Geom_Multi_Fn(z, detail::ZoltanPoints::places, &own);
-    zoltan.partition([](unsigned, int) {});  // its cuts say all: rank_of
+    zoltan.partition([](unsigned, int) {});  // its cuts are enough: rank_of
     cut = true;
   }
 };

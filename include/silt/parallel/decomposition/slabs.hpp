@@ -7,7 +7,7 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// Slabs between cuts across an axis: rank r has what lies behind cut r - 1, up to cut r.
+/// Slabs between cuts normal to an axis: rank r owns what lies behind cut r - 1, up to cut r.
 struct Slabs {
   int axis = 2;
   std::vector<PlaceKey> cuts;
@@ -24,7 +24,7 @@ struct Slabs {
     return owner;
   }
 
-  /// Where the cuts are along the axis [m]; infinite where a slab at the end is empty.
+  /// Positions of the cuts along the axis [m]; infinite where a slab at the end is empty.
   std::vector<double> planes() const {
     std::vector<double> x;
     for (const auto& cut : cuts)
@@ -42,16 +42,16 @@ inline void check_axis(const char* policy, int axis) {
 
 }  // namespace detail
 
-/// Slabs of the same thickness across an axis, which never move. Without a box they divide that of
+/// Slabs of equal thickness normal to an axis, which never move. Without a box they divide that of
 /// the points of the first partition.
 ///
 /// Errors: InputError for an axis other than 0, 1, 2 or a box that is not finite.
 /// Tests:  tests/parallel/decompositions.cpp.
 /// Source: none.
-/// Valid:  material that stays where it is along the axis.
+/// Valid:  material that stays in place along the axis.
 /// Units:  [m].
 struct StaticSlabs {
-  int axis = 2;  // 0, 1 or 2: across x, y or z
+  int axis = 2;  // 0, 1 or 2: normal to x, y or z
   Box box = {};  // [m]
   detail::Slabs slabs = {};
 
@@ -93,18 +93,18 @@ static_assert(Decomposition<StaticSlabs, NoRanks>);
 /// Source: Markauskas, Kaceniauskas, Maknickas, Information Technology and Control 40 (2011),
 ///         DOI 10.5755/j01.itc.40.4.978, section 3: parallel planes; a new decomposition when the
 ///         load of any subdomain has changed by a percentage that the user sets. Deviations: work
-///         is counted (weights), not timed; the planes that divide it are found exactly, not step
-///         by step; of points in the plane of a cut some lie before it and some behind. The change
-///         is that of a slab's share, in percent of the mean share.
+///         is counted (weights), not timed; the dividing planes are found exactly, not step by
+///         step; points in the plane of a cut may be on either side. The change is that of a slab's
+///         share, in percent of the mean share.
 /// Errors: InputError for an axis other than 0, 1, 2 or a percentage that is negative.
 /// Tests:  tests/parallel/decompositions.cpp (work within one point's weight of the mean).
-/// Valid:  material whose extent along the axis is much larger than the ranks' ghosts.
+/// Valid:  material whose extent along the axis is much larger than the ranks' ghost layers.
 /// Units:  [m]; work in units of the weights.
 struct MovingSlabs {
-  int axis = 2;        // 0, 1 or 2: across x, y or z
+  int axis = 2;        // 0, 1 or 2: normal to x, y or z
   double percent = 5;  // [%] change of a slab's work that moves the planes
   detail::Slabs slabs = {};
-  std::vector<double> shares = {};  // [-] of each slab's work when the planes were moved
+  std::vector<double> shares = {};  // [-] of each slab's work when the planes were last moved
 
   static constexpr bool by_place = true;
 

@@ -1,14 +1,19 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+// The scene of the triaxial test and the shear cell: spheres in a box that repeats on all sides and
+// deforms.
+//
+//   cells::Sample s;
+//   auto sim = cells::make_cell(s, threads);
+//   cells::compress(sim, s);
+//   cells::make_rough(sim);
+
+#include <algorithm>
 #include <cmath>
-#include <string>
 
 #include <silt/silt.hpp>
 
-#include "support/example.hpp"
-
-/// What the triaxial test and the shear cell share: spheres in a box that deforms.
 namespace cells {
 
 using silt::Vec3d;
@@ -21,16 +26,16 @@ struct Sample {
   double pressure = 1e4;   // [Pa]
   double friction = 0.5;   // [-] between particles
   double start = 0.45;     // [-] solid fraction
-  // Overlaps of (p/E)^(2/3) of the diameter, about a part in 1000: nearly rigid.
+  // Overlaps of (p/E)^(2/3) of the diameter, about 1/1000: nearly rigid.
   Law::Material material(double mu) const {
     return {
         .youngs_modulus = 2e4 * pressure, .poisson_ratio = 0.2, .restitution = 0.5, .friction = mu};
   }
-  /// [s] in which a sphere under the pressure moves by its diameter.
+  /// [s] in which the pressure accelerates a sphere over its diameter.
   double inertial_time() const { return diameter * std::sqrt(density / pressure); }
 };
 
-/// A loose cloud of grains on a grid, which are smooth at first: rough() gives them friction.
+/// A loose cloud of grains on a grid, initially frictionless: rough() gives them friction.
 inline auto make_cell(const Sample& s, int threads) {
   silt::Particles<silt::Sphere> grains;
   silt::Random random(5);
@@ -59,14 +64,14 @@ void make_rough(Sim& sim) {
   for (std::size_t k = 0; k < sim.rows(); ++k) sim.set_material(sim.id(k), 1);
 }
 
-/// The solid fraction [-].
+/// Solid fraction [-].
 template <class Sim>
 double solid_fraction(const Sim& sim) {
   double volume = 0;
   for (std::size_t k = 0; k < sim.rows(); ++k) volume += silt::Sphere::volume(sim.radius(k));
   return volume / sim.domain().volume();
 }
-/// [-] contacts a particle.
+/// [-] contacts per particle.
 template <class Sim>
 double coordination(const Sim& sim) {
   return 2.0 * static_cast<double>(sim.touching_pairs()) / static_cast<double>(sim.size());
@@ -82,7 +87,8 @@ double unrest(const Sim& sim) {
   return sum / (sim.domain().stress().pressure() * sim.domain().volume());
 }
 
-/// Compresses the sample to its pressure until it rests; the shape stays a cube as far as it can.
+/// Compresses the sample to its pressure until it is at rest; the shape stays as nearly cubic as
+/// possible.
 template <class Sim>
 void compress(Sim& sim, const Sample& s) {
   const silt::BoxDrive to{.stress = s.pressure, .most_rate = 0.05 / s.inertial_time()};
