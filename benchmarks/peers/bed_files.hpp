@@ -77,6 +77,4 @@ inline void write(std::vector<SphereState> spheres, const std::string& path, dou
   file.commit();
 }
 
-inline const silt::Vec3d tilted{9.81 * std::sqrt(0.5), 0, -9.81 * std::sqrt(0.5)};  // [m/s2]
-
 }  // namespace bench

@@ -1,18 +1,19 @@
 #!/usr/bin/env python3
 # silt - BSD-3-Clause, see LICENSE
-"""Times the same bed with the same contact law in LAMMPS, LIGGGHTS and silt.
+"""Times the same bed or hopper with the same contact law in LAMMPS, LIGGGHTS and silt.
 
-Three states: a settled bed; the collapse of a loose lattice with all its list rebuilds ("filling"); and
-the settled bed under gravity tilted by 45 degrees, which flows against a side wall ("flowing").
+Four states: a settled bed; the collapse of a loose lattice with all its list rebuilds ("filling"); the
+settled bed under gravity tilted by 45 degrees, which flows against a side wall ("flowing"); and a square
+hopper with walls at 45 degrees after a fifth of its spheres has left it ("hopper").
 silt makes the positions and velocities once; every code starts from the same file and is timed by its
-own loop clock: settled and flowing beds after 200 steps to warm up, filling from the first step on. What comes
+own loop clock after 200 steps to warm up, filling from the first step on. What comes
 before the loop (reading, set-up, a peer's first list) and what comes after it (output) counts for no
 code. LAMMPS and LIGGGHTS run with the fastest of the --skins, each for itself in each scene; silt
 chooses its own, with its guard on. Runs are interleaved and repeated. Printed are medians in million
 particle-steps a second with their spread, the ratio to the fastest peer on as many cores, and the state
 each code ends in, measured by one program for all. A table, a plot and summary.json are written to
 --out; checks: all codes have done the same work (no sphere lost; contacts, overlaps, heights and
-energies alike).
+energies alike; as many spheres out of the hopper).
 
 With --cores 2 the peers run on two processes, LAMMPS with or without its balancing (`fix balance` by
 recursive bisection), whichever is faster; LIGGGHTS-PUBLIC has none. silt runs on two threads,
@@ -26,6 +27,9 @@ import sys
 
 import codes
 from report import Options, Summary, in_range, make_folder, versions, write
+
+DIAMETER = 4.3e-3  # [m] mean
+WEIGHT = 9.81 * 2500 * 3.14159265 / 6 * DIAMETER**3  # [N] of a sphere
 
 # The law of LIGGGHTS and silt in LAMMPS' terms. Its `damping tsuji` takes Tsuji's polynomial, which is
 # for the mass of one sphere, with the reduced mass of two: 0.5 would rebound with 0.616. 0.36665 gives
@@ -49,6 +53,7 @@ pair_coeff * * {LAW}
 fix x1 all wall/gran granular {LAW} xplane 0.0 {{width}}
 fix y1 all wall/gran granular {LAW} yplane 0.0 {{width}}
 fix z1 all wall/gran granular {LAW} zplane 0.0 NULL
+{{funnel}}
 fix g all gravity 9.81 vector {{gravity}}
 fix i all nve/sphere
 timestep 0.00002
@@ -83,6 +88,7 @@ fix x2 all wall/gran model hertz tangential history primitive type 1 xplane {wid
 fix y1 all wall/gran model hertz tangential history primitive type 1 yplane 0.0
 fix y2 all wall/gran model hertz tangential history primitive type 1 yplane {width}
 fix z1 all wall/gran model hertz tangential history primitive type 1 zplane 0.0
+{funnel}
 fix g all gravity 9.81 vector {gravity}
 fix i all nve/sphere
 timestep 0.00002
@@ -98,16 +104,44 @@ write_dump all custom {end} id x y z radius
 BALANCE = {LAMMPS: ["", "comm_style tiled\nfix b all balance 500 1.02 rcb"], LIGGGHTS: [""]}
 
 
-def run_silt(program, cores, precision, folder, data, warmup, steps, tilt, ranks=False):
+def lammps_funnel(stl):
+    """The four sloping walls of the hopper in this STL file for LAMMPS, which has no mesh: slabs, whose
+    upper faces and rims are those of the mesh. A sphere touches the nearest point of a slab's surface,
+    rims included."""
+    with open(stl) as f:
+        corners = [[float(word) for word in line.split()[1:]] for line in f if line.split()[:1] == ["vertex"]]
+    low, high = (pick(z for _, _, z in corners) for pick in (min, max))
+    width = max(x for x, _, _ in corners)
+    near = min(x for x, _, z in corners if z == low)  # from the box to the orifice
+    far, thick = width - near, 5 * DIAMETER
+    slabs = [f"{near - thick} {near} 0 {width} {low} {high} 0 {-near} 0",
+             f"{far} {far + thick} 0 {width} {low} {high} 0 {near} 0",
+             f"0 {width} {near - thick} {near} {low} {high} 0 0 {-near}",
+             f"0 {width} {far} {far + thick} {low} {high} 0 0 {near}"]
+    return "\n".join(f"region f{k} prism {slab} side out\nfix f{k} all wall/gran/region granular {LAW} region f{k}"
+                     for k, slab in enumerate(slabs))
+
+
+def liggghts_funnel(stl):
+    return (f"fix f0 all mesh/surface file {stl} type 1\n"
+            "fix f1 all wall/gran model hertz tangential history mesh n_meshes 1 meshes f0")
+
+
+FUNNEL = {LAMMPS: lammps_funnel, LIGGGHTS: liggghts_funnel}
+SCENE = {"settled": "level", "filling": "level", "flowing": "tilted", "hopper": "hopper"}  # of bench_bed
+
+
+def run_silt(program, cores, precision, folder, data, warmup, steps, scene, ranks=False):
     end = os.path.join(folder, "silt.end")
     values = codes.result_of(codes.run(
-        (codes.on_processes(cores) if ranks else []) + [program, "time", data, str(warmup), str(steps), str(cores), precision, end, tilt], folder))
+        (codes.on_processes(cores) if ranks else []) + [program, "time", data, str(warmup), str(steps), str(cores), precision, end, scene], folder))
     return values["seconds"], values["kinetic_energy"], end
 
 
 def measure(program, end):
-    """Spheres, contacts a sphere, mean overlap and mean height of the state in a dump or data file."""
-    if not end.endswith("silt.end"):
+    """Spheres, contacts a sphere, mean overlap, mean height and spheres out of the hopper of the state in
+    a dump or data file."""
+    if os.path.basename(end) in ("lmp.end", "liggghts.end"):
         with open(end + ".data", "w") as to:
             to.write("Atoms\n\n")
             for k, x, y, z, r in codes.rows_of_dump(end):
@@ -116,11 +150,7 @@ def measure(program, end):
     return codes.values_of(codes.run([program, "measure", end], None))
 
 
-DIAMETER = 4.3e-3  # [m] mean
-WEIGHT = 9.81 * 2500 * 3.14159265 / 6 * DIAMETER**3  # [N] of a sphere
-
-
-STATES = ("settled", "filling", "flowing")
+STATES = ("settled", "filling", "flowing", "hopper")
 
 
 def check(summary, scene, n, ends):
@@ -151,6 +181,10 @@ def check(summary, scene, n, ends):
         summary.within(at + "kinetic energy over weight times d", kinetic[name], kinetic_middle,
                        0.01 * kinetic_middle + rest,
                        "1 % of the median of all codes, or as good as at rest")
+        if "left" in e:
+            left = sorted(other["left"] for other in ends.values())[len(ends) // 2]
+            summary.within(at + "spheres that left the hopper", e["left"], left, 2 + 0.02 * left,
+                           "2 % of the median of all codes, and two that are about to")
 
 
 def plot(results, path):
@@ -185,7 +219,7 @@ def plot(results, path):
                  if min(speeds) / 2.5 < t < max(speeds) * 2.5]
         ax.set_ylim(min(speeds) / 1.3, max(speeds) * 1.3)
         ax.set_yticks(ticks, [str(t) for t in ticks]), ax.set_yticks([], minor=True)
-        ax.set_xlabel("spheres"), ax.set_title(f"{state} bed")
+        ax.set_xlabel("spheres"), ax.set_title(state if state == "hopper" else f"{state} bed")
         ax.grid(True, which="both", alpha=0.25)
     axes[0][0].set_ylabel("million particle-steps / s")
     axes[0][-1].legend(fontsize=7, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
@@ -207,12 +241,14 @@ def bed_of(silt, folder, n, state):
     data = os.path.join(folder, f"{state}.{n}")
     if os.path.exists(data):
         return data
-    if state == "flowing":  # for 0.06 s: by then all of it moves
-        make = ["flow", bed_of(silt, folder, n, "settled"), "3000"]
+    if state == "hopper":
+        make = ["discharge", str(n), data + ".new", data + ".stl"]
+    elif state == "flowing":  # for 0.06 s: by then all of it moves
+        make = ["flow", bed_of(silt, folder, n, "settled"), "3000", data + ".new"]
     else:
-        make = ["settle", str(n), "20000" if state == "settled" else "0"]
+        make = ["settle", str(n), "20000" if state == "settled" else "0", data + ".new"]
     print(f"making {data}", flush=True)
-    codes.run([silt, *make, data + ".new"], folder)
+    codes.run([silt, *make], folder)
     os.replace(data + ".new", data)
     return data
 
@@ -222,13 +258,17 @@ def run_scene(a, folder, peers, silts, n, state, cores):
     silt = silts[0][1]
     data = bed_of(silt, folder, n, state)
     warmup = 0 if state == "filling" else 200
-    # Filling: all of it for 5 000, the first impacts and the collapse of larger ones.
-    steps = max(50, int(a.work * (1.25e8 if state == "filling" else 1e7) / n))
+    # Filling: all of it for 5 000, the first impacts and the collapse of larger ones. Hopper: a hundredth
+    # of 50 000 leaves, and not all of 5 000.
+    work = {"filling": 1.25e8, "hopper": min(5e7, n * n / 10)}.get(state, 1e7)
+    steps = max(50, int(a.work * work / n))
+    before = measure(silt, data)["out"] if state == "hopper" else None
     common = dict(data=data, warmup=warmup, steps=steps)
     gravity = "0.70710678 0 -0.70710678" if state == "flowing" else "0 0 -1"
     runs, skins = {}, {}
     for name, program, deck in peers:
-        values = dict(width=0.15 * max(1.0, n / 50000) ** 0.5, cores=cores, gravity=gravity, **common)
+        funnel = FUNNEL[deck](data + ".stl") if state == "hopper" else ""
+        values = dict(funnel=funnel, width=0.15 * max(1.0, n / 50000) ** 0.5, cores=cores, gravity=gravity, **common)
         skin, tried = codes.fastest(a.skins, lambda one: codes.run_deck(
             program, deck, folder, skin=one * 1e-3, balance="", **values)[0])
         values["skin"] = skin * 1e-3
@@ -242,12 +282,15 @@ def run_scene(a, folder, peers, silts, n, state, cores):
         for precision in ("double", "mixed"):
             runs[f"silt {precision}{label}"] = timed(
                 silt, run_silt, program, cores, precision, folder,
-                tilt="tilted" if state == "flowing" else "level", **common)
+                scene=SCENE[state], **common)
             if a.silt_ranks and label == "" and cores > 1:
                 runs[f"silt {precision}, ranks"] = timed(
                     silt, run_silt, a.silt_ranks, cores, precision, folder, ranks=True,
-                    tilt="tilted" if state == "flowing" else "level", **common)
+                    scene=SCENE[state], **common)
     times, ends = codes.interleaved(runs, a.repeat)
+    if state == "hopper":
+        for e in ends.values():
+            e["left"] = e["out"] - before
     return steps, codes.speeds(times, n * steps), ends, skins
 
 
@@ -260,7 +303,7 @@ def main():
                    help="bench_bed_ranks, timed as further rows where there is more than one core")
     p.add_argument("--repeat", type=in_range(int, 1, 1000), default=5)
     p.add_argument("--cores", type=in_range(int, 1, 4096), nargs="+", default=[1])
-    p.add_argument("--states", nargs="+", choices=STATES, default=STATES)
+    p.add_argument("--states", nargs="+", choices=STATES, default=STATES[:3])
     p.add_argument("--work", type=in_range(float, 1e-6, 1e6), default=1,
                    help="multiplies the number of steps that are timed")
     p.add_argument("--skins", type=in_range(float, 1e-3, 10), nargs="+", metavar="MM",
@@ -312,7 +355,8 @@ def main():
                         + f"{s.over(best):>9s}  {e['kinetic_energy_j']:12.4g} J  "
                         f"{e['coordination']:17.4f}  {e['mean_overlap_over_d']:14.5f}  "
                         + (f"{skins[name]['mm']:g} mm" + ", balanced" * skins[name]["balanced"]
-                           if name in skins else "its own"))
+                           if name in skins else "its own")
+                        + (f", {e['left']:.0f} left" if "left" in e else ""))
                 print("\n".join(lines) + "\n", flush=True)
                 table += lines + [""]
                 check(summary, scene, n, ends)

@@ -2,8 +2,7 @@
 #pragma once
 
 // The bend's scene: a pipe of 50 mm as a mesh, which is the wall of particles and gas, the air in
-// it, and spheres that come in with it. The pipe starts along x, bends about z and continues along
-// y.
+// it, and spheres that come in with it. It starts along x, bends about z and continues along y.
 //
 //   bend::Scene s;
 //   auto sim = bend::make_simulation(s, silt::MomentumModel::A);

@@ -7,8 +7,9 @@
 //   auto sim = crater::make_simulation(s, true);  // the grains settle
 //   crater::run_until_rest(s, sim);
 //   silt::save_checkpoint(sim, "bed.silt");
-//   auto drop = crater::make_simulation(s, false, crater::Drop{7800, 0.05, level});  // [kg/m3],
-//   [m], [m] silt::load_checkpoint(drop, "bed.silt", {.materials = true, .walls = true});
+//   const crater::Drop fall{.density = 7800, .height = 0.05, .level = 0.03};  // [kg/m3], [m], [m]
+//   auto drop = crater::make_simulation(s, false, fall);
+//   silt::load_checkpoint(drop, "bed.silt", {.materials = true, .walls = true});
 
 #include <algorithm>
 #include <cmath>

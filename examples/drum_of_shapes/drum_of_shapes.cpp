@@ -19,11 +19,10 @@
 namespace drum_of_shapes {
 namespace {
 
-/// Turns the drum from now on; leaves tables and series.
+/// The turns of the drum, from now on; leaves tables and series.
 template <class Sim>
 Measured turn(Sim& sim, const Scene& s, const std::string& out) {
   Measured m(s, sim.time());
-  begin_to_turn(sim, s);
   auto table = silt::table(
       out + "/drum.csv", {"time [s]", "power [W]", "kinetic energy [J]", "contacts a grain [-]"},
       silt::every(s.turn() / 200), [&](const auto& at) { return m.look(at, s); });
@@ -44,13 +43,15 @@ Measured turn(Sim& sim, const Scene& s, const std::string& out) {
 
 int simulate(const Scene& s, const example::Options& options) {
   const example::Stopwatch whole;
-  auto sim = make_simulation(s);
+  const auto start = not_yet();
+  auto sim = make_simulation(s, start);
   sim.threads = options.threads;
   silt::make_folder(options.out);
   std::printf("filling\n");
   fill(sim, s);
   std::printf("turning\n");
   write_outline(s, options.out + "/drum.vtp");
+  *start = sim.time();
   const Measured m = turn(sim, s, options.out);
 
   example::Summary summary;

@@ -5,15 +5,18 @@
 // axis.
 //
 //   drum_of_shapes::Scene s;
-//   auto sim = drum_of_shapes::make_simulation(s);
+//   const auto start = drum_of_shapes::not_yet();
+//   auto sim = drum_of_shapes::make_simulation(s, start);
 //   drum_of_shapes::fill(sim, s);
-//   drum_of_shapes::begin_to_turn(sim, s);
+//   *start = sim.time();
 //   sim.run(s.turns * s.turn(), silt::vtk_series("out", silt::every(0.1)));
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <memory>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -93,8 +96,13 @@ inline silt::Particles<Grains> batch(const Scene& s, std::size_t count, std::uin
   return grains;
 }
 
-/// The drum at rest, with the first grains.
-inline auto make_simulation(const Scene& s) {
+/// When the drum begins to rotate [s]: never, until it is set, as in *start = sim.time().
+inline std::shared_ptr<double> not_yet() {
+  return std::make_shared<double>(std::numeric_limits<double>::infinity());
+}
+
+/// The drum at rest, with the first grains; it rotates from `start` on.
+inline auto make_simulation(const Scene& s, const std::shared_ptr<double>& start) {
   const silt::Box period{{-s.radius, 0, -s.radius}, {s.radius, s.length, s.radius}};
   silt::Simulation sim{batch(s, std::min(s.particles, Scene::batch), 1),
                        silt::Contacts<Law>{s.material()},
@@ -104,7 +112,9 @@ inline auto make_simulation(const Scene& s) {
       silt::Box{{-s.radius, -s.length, -s.radius}, {s.radius, 2 * s.length, s.radius}};
   sim.add_wall(
       silt::Cylinder{{0, -s.length, 0}, {0, 2 * s.length, 0}, s.radius, silt::Side::Inside},
-      s.material(), {.name = "drum"});
+      s.material(), [turn = silt::rotation({0, 0, 0}, {0, 1, 0}, s.rate()), start](double time) {
+        return turn(std::max(time - *start, 0.0));
+      });
   return sim;
 }
 
@@ -116,13 +126,6 @@ void fill(Sim& sim, const Scene& s) {
     sim.add(batch(s, std::min(s.particles - sim.size(), Scene::batch), seed));
   }
   sim.run(Scene::between);
-}
-
-/// From now on; before it the drum is at rest.
-template <class Sim>
-void begin_to_turn(Sim& sim, const Scene& s) {
-  sim.set_motion("drum", [turn = silt::rotation({0, 0, 0}, {0, 1, 0}, s.rate()), now = sim.time()](
-                             double time) { return turn(std::max(time - now, 0.0)); });
 }
 
 }  // namespace drum_of_shapes

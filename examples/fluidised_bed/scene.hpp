@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Scene of the fluidised bed: sizes and materials, and grains settled on the floor between two
-// walls, gas that enters through the floor. A program of one's own needs this file and drag.hpp:
+// The fluidised bed's scene: sizes and materials, grains settled on the floor between two walls,
+// gas that enters through the floor. A program of one's own needs this file and drag.hpp:
 //
 //   fluidised::Scene s;
 //   auto sim = fluidised::make_simulation(s, fluidised::settle<silt::Sphere>(s, threads));

@@ -130,7 +130,7 @@ int simulate(const Scene& scene, const example::Options& options) {
   o.rate = curve.rate(o.out);
   o.theory = beverloo(scene.orifice, scene.r_min + scene.r_max, rest.fraction * scene.density);
   const bool from_start = options.restart.empty();
-  add_results(summary, scene, sim, rest, curve, o, from_start);
+  add_results(summary, sim, rest, curve, o, from_start);
   summary.result("wall_time_s", whole.seconds());
   summary.result("overlap_of_the_fall_over_radius", overlap_of_fall(scene));
   if (const auto limit = sim.time_step_limit(3.0))

@@ -80,7 +80,7 @@ struct Outcome {
 };
 
 template <class Sim>
-void add_results(example::Summary& summary, const Scene& s, const Sim& sim, const Rest& rest,
+void add_results(example::Summary& summary, const Sim& sim, const Rest& rest,
                  const Discharge& curve, const Outcome& o, bool whole) {
   summary.result("solid_fraction_settled", rest.fraction);
   if (whole) {

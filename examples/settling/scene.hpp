@@ -4,8 +4,9 @@
 // The scene of settling: grains in a closed column of liquid, which is periodic across.
 //
 //   settling::Scene s;
-//   auto sim = settling::make_simulation(s, settling::lattice(s, 0.1), s.liquids[0], s.across,
-//   s.high, 3); sim.run(1.0, silt::vtk_series("out", silt::every(0.05)));
+//   auto grains = settling::lattice(s, 0.1);  // [-] of solids
+//   auto sim = settling::make_simulation(s, grains, s.liquids[0], s.across, s.high, 3);
+//   sim.run(1.0, silt::vtk_series("out", silt::every(0.05)));
 
 #include <algorithm>
 #include <cmath>

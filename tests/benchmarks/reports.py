@@ -35,7 +35,7 @@ def dump(path, contacts):
     rows = N - (wrong == "loses")
     with open(path, "w") as f:
         f.write("ITEM: ATOMS id x y z radius\n")
-        f.writelines(f"{k + 1} {contacts} 0 0.01 0.00215\n" for k in range(rows))
+        f.writelines(f"{k + 1} {contacts} {1 if wrong == 'stays' else 2} 0.01 0.00215\n" for k in range(rows))
 
 if name in ("lmp", "liggghts"):
     if words == ["-h"]:
@@ -54,14 +54,21 @@ elif name == "mpirun":
 elif name in ("bench_bed", "bench_bed_ranks"):
     if words[0] in ("settle", "flow"):
         open(words[3], "w").write("bed")
+    elif words[0] == "discharge":
+        open(words[2], "w").write("Atoms\n\n1 1 0.0043 2500 4.5 1 0.01\n")
+        w, a, low, high = 0.15, 0.045, 0.05, 0.095
+        open(words[3], "w").writelines(f"vertex {x} {y} {z}\n" for x, y, z in (
+            (0, 0, high), (w, 0, high), (w - a, a, low), (a, a, low)))
     elif words[0] == "time":
         print("seconds 0.1 kinetic_energy 1e-6 contacts 1 overlap 0.01 megabytes 1")
+        if name == "bench_bed_ranks":
+            print("percent_of_time 1.0+0.5+2.0 1.0+0.5+2.0")
         with open(words[6], "w") as f:
-            f.write(f"Atoms {words[7]}\n\n" + "".join(f"{k + 1} 1 0.0043 2500 4.5 0 0.01\n" for k in range(N)))
+            f.write(f"Atoms {words[7]}\n\n" + "".join(f"{k + 1} 1 0.0043 2500 4.5 2 0.01\n" for k in range(N)))
     else:
         rows = open(words[1]).read().split("\n")[2:-1]
         print(f"spheres {len(rows)} coordination {rows[0].split()[4]} mean_overlap_over_d 0.004 "
-              "mean_height_m 0.01")
+              f"mean_height_m 0.01 out {100 * int(rows[0].split()[5])}")
 elif name == "bench_search":
     filter_ = next(w for w in words if "filter" in w)
     rows = [{"name": f"search/dense bed/{search}/{n}", "items_per_second": 1e7, "pairs": 3.0,
@@ -180,6 +187,43 @@ class Tests(unittest.TestCase):
             self.assertNotIn("balance", f.read())
         self.assertIn("silt double, ranks", scene["speed"])
         self.assertIn("silt mixed", scene["speed"])
+
+    def test_native_peers_and_ranks_on_two_processes(self):
+        os.symlink(self.bin + "/lmp", self.work + "/lmp")
+        os.symlink(self.bin + "/liggghts", self.work + "/liggghts")
+        found = self.summary_of("peers", "200", "--states", "hopper", "--cores", "2", "--silt-ranks",
+                                self.bin + "/bench_bed_ranks")
+        scene = found["results"]["scenes"][0]
+        self.assertTrue(scene["skins"]["LAMMPS, native"]["balanced"])
+        for name in ("LAMMPS, native", "LIGGGHTS, native", "silt double, ranks", "silt mixed, ranks"):
+            self.assertIn(name, scene["speed"])
+
+    def test_peers_have_the_same_hopper(self):
+        found = self.summary_of("peers", "200", "--states", "hopper")
+        self.assertEqual(found["results"]["scenes"][0]["ends"]["silt double"]["left"], 100)
+        with open(self.work + "/out/silt.end") as f:
+            self.assertIn("hopper", f.readline())
+        with open(self.work + "/out/lmp.in") as f:
+            deck = f.read()
+        # Slabs from the orifice at 0.05 m, 0.045 m from the box, to the box at 0.095 m.
+        slabs = [[float(word) for word in line.split()[3:12]] for line in deck.splitlines()
+                 if line.startswith("region ")]
+        self.assertEqual(len(slabs), 4)
+        for (a, b), (c, d), (low, high), tilts in ([s[0:2], s[2:4], s[4:6], s[6:9]] for s in slabs):
+            self.assertEqual((low, high), (0.05, 0.095))
+            along, across, tilt = ((a, b), (c, d), tilts[1]) if tilts[1] else ((c, d), (a, b), tilts[2])
+            self.assertEqual(across, (0, 0.15))
+            face = along[1] if tilt < 0 else along[0]
+            self.assertAlmostEqual(face, 0.045 if tilt < 0 else 0.105)
+            self.assertAlmostEqual(face + tilt, 0 if tilt < 0 else 0.15)
+        self.assertEqual(sorted(s[7] + 2 * s[8] for s in slabs), [-0.09, -0.045, 0.045, 0.09])
+        self.assertEqual(deck.count("wall/gran/region"), 4)
+        with open(self.work + "/out/liggghts.in") as f:
+            self.assertIn("hopper.200.stl", f.read())
+
+    def test_peers_notices_a_hopper_that_does_not_empty(self):
+        self.assertEqual(self.failing("peers", "200", "--states", "hopper", wrong="lmp:stays"),
+                         ["200 spheres, hopper, 1 core, LAMMPS, Debian: spheres that left the hopper"])
 
     def test_peers_notices_lost_spheres_and_contacts(self):
         self.assertIn("200 spheres, settled, 1 core, LAMMPS, Debian: spheres",

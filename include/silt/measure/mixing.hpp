@@ -44,11 +44,12 @@ struct Mixing {
 /// about sqrt(SR^2)/p. Both depend on the size of the samples: compare at equal `side`.
 ///
 /// Source: P.M.C. Lacey, J. Appl. Chem. 4 (1954) 257 (recalled), with the weights n_i and the
-/// finite
-///         number of particles of (2), derived here.
+///         finite number of particles of (2), derived here.
 /// Valid:  two kinds of about equal size; shares are by number. N > k > 1 samples, both kinds
-/// there. Units:  [m], [-]. Errors: InputError naming the field and its unit; where there are too
-/// few particles or samples. Tests:  tests/measure/mixing.cpp.
+///         present.
+/// Units:  [m], [-].
+/// Errors: InputError naming the field and its unit; if there are too few particles or samples.
+/// Tests:  tests/measure/mixing.cpp.
 class MixingSamples {
  public:
   explicit MixingSamples(const MixingOptions& options) : options_(options) {
@@ -102,8 +103,8 @@ class MixingSamples {
 /// The same for the particles of a simulation: `is_first(k)` says of the one at place k whether it
 /// is of the first kind.
 ///
-///   const auto m = silt::mixing(sim, {.side = 0.01}, [&](auto k) { return sim.material(k) == 0;
-///   });
+///   const auto m = silt::mixing(sim, {.side = 0.01},
+///                               [&](auto k) { return sim.material(k) == 0; });
 template <class Sim, class IsFirst>
 Mixing mixing(const Sim& sim, const MixingOptions& options, const IsFirst& is_first) {
   detail::need_one_process<Sim>();

@@ -129,9 +129,9 @@ struct WallGiven {
 ///   double rate(const Seen&, const Fields&, double slope) const;  // [1/s], slope: sum of flux()
 ///                                        // from 1 to 0 over the contacts of the particle, updated
 ///                                        // at intervals; before that rate(const Seen&)
-///   double rate(const Seen&, const Coefficients<double>&) const;  // in place of rate(const
-///   Seen&),
-///                                        // the largest over what the particle may touch
+///   double rate(const Seen&, const Coefficients<double>&) const;
+///                                        // in place of rate(const Seen&): the largest over the
+///                                        // materials that the particle may touch
 ///   std::size_t flux_every = 10;                                // [steps] largest interval
 ///                                        // between calls of flux(), constant in between
 ///   Real share_of_loss(const Coefficients<Real>& p) const;      // [-] see below
