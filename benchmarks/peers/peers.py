@@ -168,6 +168,10 @@ def check(summary, scene, n, ends):
         root = max(1.0, middle["coordination"] * n / 2) ** 0.5
         contacts, overlap, level, rest = 0.01 + 1 / root, 0.02 + 0.5 / root, 0.05, 1e-4
         reason = "1 or 2 % of the median of all codes, and what their number leaves open"
+    # Spheres slide down the hopper's walls, where the codes' friction differs: without friction LAMMPS
+    # and LIGGGHTS agree to 0.2 % after 2 200 steps of 20 000 spheres, with it they are 2.2 % apart, and
+    # silt is between them.
+    moving = 0.03 if ", hopper," in scene else 0.01
     for name, e in ends.items():
         at = f"{scene}, {name}: "
         summary.within(at + "spheres", e["spheres"], n, 0, "none may be lost")
@@ -179,8 +183,8 @@ def check(summary, scene, n, ends):
         summary.within(at + "mean height over d", e["mean_height_m"] / DIAMETER,
                        middle["mean_height_m"] / DIAMETER, level, "of a diameter")
         summary.within(at + "kinetic energy over weight times d", kinetic[name], kinetic_middle,
-                       0.01 * kinetic_middle + rest,
-                       "1 % of the median of all codes, or as good as at rest")
+                       moving * kinetic_middle + rest,
+                       f"{100 * moving:g} % of the median of all codes, or as good as at rest")
         if "left" in e:
             left = sorted(other["left"] for other in ends.values())[len(ends) // 2]
             summary.within(at + "spheres that left the hopper", e["left"], left, 2 + 0.02 * left,
