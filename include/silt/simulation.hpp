@@ -7,7 +7,9 @@
 #include <concepts>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -212,6 +214,11 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   double step_length() const { return dt_; }   // [s] in use
   /// True from a restart on until the end of the run that goes on from it.
   bool continued() const { return continued_; }
+  /// For observers that begin to write a file or series: whether they add to it. They do in a run
+  /// that goes on from a restart, and where an earlier run of this simulation has written it.
+  bool continues(const std::string& file) const {
+    return !written_.insert(file).second || continued_;
+  }
   /// Whether observers were called at this instant, in this run or the one before.
   bool observed() const { return observed_; }
   using Readings = detail::ParticleReadings<Simulation>;
@@ -365,6 +372,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   double checked_speed_ = 0, checked_overlap_ = 0, peak_overlap_ = 0;
   detail::NextIds next_;
   bool first_kick_ = true, kicked_ = false, observed_ = false, continued_ = false;
+  mutable std::set<std::string> written_;                      // continues()
   detail::ContactsKept kept_ = detail::ContactsKept::Nothing;  // of the present step
   bool scene_changed_ = false;                                 // since the last run began
   [[no_unique_address]] std::conditional_t<has_ranks, detail::RanksScene, Nothing> ranks_scene_;

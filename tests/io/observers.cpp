@@ -14,6 +14,7 @@
 
 #include <silt/boundary/finite_walls.hpp>
 #include <silt/io/observers.hpp>
+#include <silt/io/wall_series.hpp>
 
 #include "near.hpp"
 
@@ -432,6 +433,43 @@ TEST_CASE(
   CHECK(table.ends_with('\n'));  // no half of a row
   for (const auto& file : fs::recursive_directory_iterator(folder.path))
     CHECK_FALSE(file.path().string().ends_with(".partial"));
+}
+
+// Catches: the frames and rows of the first run lost, or those of the instant between both twice; a
+// new simulation that adds to what another has left.
+TEST_CASE("observers: a second run of a simulation adds to the files of the first") {
+  const Folder folder;
+  const auto run_twice = [&] {
+    auto sim = scene();
+    for (int k = 0; k < 2; ++k)
+      sim.run(1e-3, silt::vtk_series(folder / "vtk", every(5e-4)),
+              silt::table(folder / "t.csv", {"time [s]", "energy [J]"}, every(5e-4),
+                          [](const auto& s) {
+                            return std::array{s.time(), s.kinetic_energy()};
+                          }),
+              silt::wall_series(folder / "w.csv", std::size_t{0}, every(5e-4)));
+  };
+  for (int again = 0; again < 2; ++again) {
+    run_twice();
+    const auto series = silt::detail::read_file(folder / "vtk/particles.pvd");
+    CHECK(count_of("<DataSet", series) == 5);  // 0, 0.5, ... 2 ms
+    for (const char* file :
+         {"particles_000000000.vtp", "particles_000000100.vtp", "particles_000000200.vtp"})
+      CHECK(count_of(file, series) == 1);
+    CHECK(count_of("<DataSet", silt::detail::read_file(folder / "vtk/walls.pvd")) == 5);
+    CHECK(count_of("\n", silt::detail::read_file(folder / "t.csv")) == 1 + 5);
+    CHECK(count_of("\n", silt::detail::read_file(folder / "w.csv")) == 1 + 5);
+  }
+}
+
+TEST_CASE("run: what is left of a time, and a time that is over") {
+  auto sim = scene();
+  sim.run(0.995e-3);  // ends at 1 ms
+  CHECK(sim.time() == near(1e-3));
+  sim.run(0.995e-3 - sim.time());
+  CHECK(sim.step() == 100);
+  CHECK_THROWS_WITH_AS(sim.run(0.9e-3 - sim.time()),
+                       doctest::Contains("the time is 0.001 s already"), silt::InputError);
 }
 
 }  // namespace observers_test

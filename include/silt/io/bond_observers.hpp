@@ -60,7 +60,7 @@ class BondSeries {
     begun_ = true;
     if (sim.rank() != 0) return;
     make_folder(folder_);
-    series_ = sim.continued()
+    series_ = sim.continues(folder_ + "/bonds.pvd")
                   ? VtkSeries::resume(folder_, "bonds", sim.time() + 0.5 * sim.step_length())
                   : VtkSeries(folder_, "bonds");
   }

@@ -36,9 +36,10 @@ class CoarseGrained {
   void begin(const Sim& sim, double) {
     schedule_.begin(sim);
     if (series_ || output_.folder.empty()) return;
-    series_ = sim.continued() ? VtkSeries::resume(output_.folder, "coarse",
-                                                  sim.time() + 0.5 * sim.step_length())
-                              : VtkSeries(output_.folder, "coarse");
+    series_ =
+        sim.continues(output_.folder + "/coarse.pvd")
+            ? VtkSeries::resume(output_.folder, "coarse", sim.time() + 0.5 * sim.step_length())
+            : VtkSeries(output_.folder, "coarse");
   }
   template <class Sim>
   bool is_due(const Sim& sim) const {

@@ -131,7 +131,7 @@ class ContactSeries {
     if (sim.rank() != 0) return;
     make_folder(folder_);
     if constexpr (!Table)
-      series_ = sim.continued()
+      series_ = sim.continues(folder_ + "/contacts.pvd")
                     ? VtkSeries::resume(folder_, "contacts", sim.time() + 0.5 * sim.step_length())
                     : VtkSeries(folder_, "contacts");
   }

@@ -41,23 +41,23 @@ namespace detail {
   return ::unlink(file.c_str()) == 0;
 }
 
-/// Opens a new table. A run continued from a checkpoint keeps the rows of times before `first`, the
-/// time of the next row.
+/// Opens a table. One that continues (Simulation::continues) keeps the rows of times before
+/// `first`, the time of the next row.
 template <class Sim>
 std::shared_ptr<CsvTable> open_table(const std::string& path,
                                      const std::vector<std::string>& columns, const Sim& sim,
                                      double first) {
   return std::make_shared<CsvTable>(
-      sim.continued() ? CsvTable::resume(path, columns, first - 0.5 * sim.step_length())
-                      : CsvTable(path, columns));
+      sim.continues(path) ? CsvTable::resume(path, columns, first - 0.5 * sim.step_length())
+                          : CsvTable(path, columns));
 }
 }  // namespace detail
 
 /// Appends a row of numbers to a CSV table: first the time (or the time since some event), then the
 /// numbers that `row(simulation)` returns as an array, a vector or a single number. The table is
-/// new, except in a run continued from a checkpoint, which keeps the earlier rows. On many ranks
-/// each rank calls row(simulation), which must return equal numbers on all, as the sums of a
-/// Simulation are; rank 0 writes.
+/// new, except in a run continued from a checkpoint and in a later run of the same simulation,
+/// which keep the earlier rows. On many ranks each rank calls row(simulation), which must return
+/// equal numbers on all, as the sums of a Simulation are; rank 0 writes.
 template <class Row>
 auto table(const std::string& path, const std::vector<std::string>& columns, Schedule schedule,
            Row row) {
@@ -91,8 +91,9 @@ class VtkSeriesObserver {
     schedule_.begin(sim, only_reads);
     if (std::exchange(begun_, true) || sim.rank() != 0) return;  // continues in another run
     const double keep = sim.time() + 0.5 * sim.step_length();
+    const bool continues = sim.continues(folder_ + "/particles.pvd");
     const auto open = [&](const char* name) {
-      return sim.continued() ? VtkSeries::resume(folder_, name, keep) : VtkSeries(folder_, name);
+      return continues ? VtkSeries::resume(folder_, name, keep) : VtkSeries(folder_, name);
     };
     particles_ = open("particles"), walls_ = open("walls");
     if constexpr (Sim::has_surfaces)

@@ -135,9 +135,9 @@ class WallSeriesObserver {
                                                   "angle y [rad]",
                                                   "angle z [rad]"};
     if (sim.rank() != 0) return;
+    const double keep = sim.time() + 0.5 * sim.step_length();  // the row of now is there already
     table_ = std::make_shared<CsvTable>(
-        sim.continued() ? CsvTable::resume(path_, columns, sim.time() + 0.5 * sim.step_length())
-                        : CsvTable(path_, columns));
+        sim.continues(path_) ? CsvTable::resume(path_, columns, keep) : CsvTable(path_, columns));
   }
   template <class Sim>
   bool is_due(const Sim& sim) const {

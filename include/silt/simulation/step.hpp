@@ -11,7 +11,10 @@ namespace silt::inline SILT_TARGET {
 template <class... Policies>
 template <class... Observers>
 void Simulation<Policies...>::run_steps(double duration, Observers&... observers) {
-  require_not_negative("Simulation::run: duration", duration, "s");
+  // What is left of a time, after a run that ended up to a step behind it.
+  if (duration < 0 && duration > -dt_) duration = 0;
+  require(std::isfinite(duration) && duration >= 0, "Simulation::run: duration = ", duration,
+          " [s] must be finite and not negative; the time is ", time_, " s already");
   prepare();
   const double end = time_ + duration;
   std::int64_t last = step_ + static_cast<std::int64_t>(std::ceil(duration / dt_ * (1 - 1e-12)));
