@@ -33,9 +33,9 @@ int main(int argc, char** argv) {
   if (sim.rank() == 0) {
     std::printf("%.3g kg above 20 mm; %zu beads\n", high, sim.size());
     for (std::size_t r = 0; r < loads.size(); ++r)
-      std::printf("rank %zu: %zu beads, %zu contacts, %zu ghosts\n", r,
+      std::printf("rank %zu: %zu beads, %zu contacts, %zu ghosts, %.2g s for messages\n", r,
                   std::size_t{loads[r].particles}, std::size_t{loads[r].contacts},
-                  std::size_t{loads[r].ghosts});
+                  std::size_t{loads[r].ghosts}, loads[r].seconds.ghosts);
   }
 
   for (std::size_t k = 0; k < sim.rows(); ++k)  // own particles, as many as each rank likes
