@@ -255,7 +255,8 @@ class Drawn(Refuses, unittest.TestCase):
 
     def test_the_picture_that_is_saved(self):
         image = self.draw(path("grains", "particles.pvd"), "--colour", "velocity")
-        self.assertGreater((colourful(image) > 0.15).mean(), 0.1)
+        # The beads lie in the lower fifth of their box, which takes about half of the picture.
+        self.assertGreater((colourful(image) > 0.15).mean(), 0.05)
         white = (image > 0.99).all(axis=2)
         self.assertGreater(white.mean(), 0.2)
         self.assertTrue(white[[0, -1]].all() and white[:, [0, -1]].all(), "something leaves the picture")
@@ -513,7 +514,7 @@ class Drawn(Refuses, unittest.TestCase):
 
     def test_from_python(self):
         drawing.draw(path("grains", "particles.pvd"), out=self.out, colour="velocity", cut=["y=0.006"], view="iso")
-        self.assertGreater((colourful(picture(self.out)) > 0.15).mean(), 0.05)
+        self.assertGreater((colourful(picture(self.out)) > 0.15).mean(), 0.03)  # half of them are cut off
 
 
 class Speed(unittest.TestCase):
