@@ -59,14 +59,20 @@ inline auto chain(std::size_t count, const silt::HeatConduction& heat) {
   return sim;
 }
 
-// Catches a conductance of 4 k a, of k_i + k_j for the mean, of a diameter for the radius, and
-// capacities that are interchanged.
-TEST_CASE("heat: two spheres of unlike materials follow the exponential of Euler's steps") {
+/// Contacts of two materials, without friction between them.
+auto unlike_contacts() {
   silt::Contacts<silt::HertzMindlin, silt::SeveralMaterials> contacts{
       {still,
        {.youngs_modulus = 2e-14, .poisson_ratio = 0.3, .restitution = 0.9, .friction = 0.3}}};
   contacts.set_pair(contacts.material(0), contacts.material(1),
                     {.restitution = 0.9, .friction = 0});
+  return contacts;
+}
+
+// Catches a conductance of 4 k a, of k_i + k_j for the mean, of a diameter for the radius, and
+// capacities that are interchanged.
+TEST_CASE("heat: two spheres of unlike materials follow the exponential of Euler's steps") {
+  const auto contacts = unlike_contacts();
   silt::Particles<silt::Sphere> p;
   p.add({.position = {0, 0, 0}, .radius = R, .density = density});
   p.add({.position = {2.5 * R - d, 0, 0}, .radius = 1.5 * R, .density = density, .material = 1});
@@ -284,11 +290,7 @@ TEST_CASE(
 
 // Catches a step by a particle's own conductivity where that of its partner limits the flow.
 TEST_CASE("heat: silt's step is that of the pairs of materials that may meet") {
-  silt::Contacts<silt::HertzMindlin, silt::SeveralMaterials> contacts{
-      {still,
-       {.youngs_modulus = 2e-14, .poisson_ratio = 0.3, .restitution = 0.9, .friction = 0.3}}};
-  contacts.set_pair(contacts.material(0), contacts.material(1),
-                    {.restitution = 0.9, .friction = 0});
+  const auto contacts = unlike_contacts();
   silt::Particles<silt::Sphere> p;
   p.add({.position = {0, 0, 0}, .radius = R, .density = density, .velocity = {1e-12, 0, 0}});
   p.add({.position = {1, 0, 0}, .radius = 2 * R, .density = density, .material = 1});
