@@ -98,6 +98,33 @@ TEST_CASE("walls drawn: a box that tumbles is drawn whole at each angle") {
   }
 }
 
+// Catches ends that are squares, which are seen to turn with the drum, and planes cut that only
+// stand beside a cylinder.
+TEST_CASE("walls drawn: planes that close a drum and turn with it are circles") {
+  constexpr double radius = 0.02, depth = 0.03;  // [m]
+  const silt::Motion turns = silt::rotation({0.1, 0, 0}, {0, 1, 0}, 50);
+  auto sim = scene({{0.1, 0.01, 0}});
+  const silt::Cylinder mantle{{0.1, 0, 0}, {0.1, depth, 0}, radius, silt::Side::Inside};
+  sim.add_wall(mantle, rubber, {.motion = turns});
+  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 1, 0}}, rubber, {.motion = turns});
+  sim.add_wall(silt::Plane{{0, depth, 0}, {0, -1, 0}}, rubber);  // stands still
+  sim.add_wall(silt::Plane{{0, -depth, 0}, {0, 1, 0}}, rubber,
+               {.motion = turns});  // before its end
+  sim.add_wall(silt::Plane{{0.1 - radius, 0, 0}, {1, 0, 0}}, rubber,
+               {.motion = turns});  // along it
+  // A polygon of 64 corners has 0.9984 of the circle's area.
+  const double circle = std::numbers::pi * radius * radius * 0.9984;
+  for (int k = 0; k < 3; ++k) {
+    CHECK(drawn(sim, 1).area == near(circle).epsilon(1e-4));
+    CHECK(is(drawn(sim, 1).bounds,
+             {drawn(sim, 0).bounds.min, drawn(sim, 0).bounds.max - Vec3d{0, depth, 0}}));
+    CHECK(drawn(sim, 2).area > 1.2 * circle);
+    CHECK(drawn(sim, 3).area > 1.2 * circle);
+    sim.run(5e-3);
+  }
+  CHECK(drawn(sim, 4).area > 1.2 * 2 * radius * depth);
+}
+
 TEST_CASE(
     "walls drawn: a floor is as wide as the hopper over it, and near planes are in the region") {
   auto sim = scene({{0, 0, 0.01}});

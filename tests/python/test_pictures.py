@@ -4,6 +4,7 @@
 Each check names the wrong picture that it catches.
 """
 
+import math
 import os
 import resource
 import shutil
@@ -23,6 +24,7 @@ from silt.drawing import cells as cells_module
 from silt.drawing import curves as curves_module
 from silt.drawing import scene, style
 from silt.drawing.bodies import Bed, pressing
+from silt.drawing.planes import Planes
 from test_readers import write_vtp
 
 rng = np.random.default_rng(1)
@@ -463,6 +465,37 @@ class Drawn(Refuses, unittest.TestCase):
             _, [layers] = figure_of(path("grains", "particles.pvd"), *arguments)
             self.assertEqual(len(layers.walls), count, arguments)
             self.assertEqual(count > 0, name is not None)
+
+    def test_planes_are_as_large_in_all_frames(self):
+        """Catches a floor that grows with the grains on it, and walls smeared out that end: a gate that
+        slides in its plane, a plane that turns."""
+        def square(half, x, z, tilt=0.0):
+            u, w = np.array([math.cos(tilt), 0, math.sin(tilt)]), np.array([0, 1.0, 0])
+            return np.array([x, 0, z]) + half * np.array([-u - w, u - w, u + w, w - u])
+
+        frames, fan = [], np.array([[0, 1, 2], [0, 2, 3]])
+        for k, half in enumerate((1.0, 3.0)):
+            #                a floor                a gate               an end that turns        a floor that rises
+            parts = [square(half, 0, 0), square(1, 2.0 * k, 5), square(half, 9, 0, 0.3 * k), square(half, 0, -4 + k)]
+            name = os.path.join(self.folder, f"walls_{k}.vtp")
+            write_vtp(name, np.concatenate(parts), {"wall": np.repeat(np.arange(4), 4).astype(np.uint32),
+                                                    "unbounded": np.repeat([1, 0, 1, 1], 4).astype(np.uint32)},
+                      np.concatenate([fan + 4 * j for j in range(4)]).astype(np.int32))
+            frames.append(silt.read(name))
+        planes = Planes()
+        for frame in frames:
+            planes.take(frame)
+        for k, frame in enumerate(frames):
+            points, triangles = planes.surface(frame)
+            corners = points[triangles]
+            areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+            middle = corners.mean(axis=1)
+            for of, area in ((abs(middle[:, 2]) < 1e-6) & (abs(middle[:, 0]) < 4), 36), \
+                    (middle[:, 2] > 4, 4), (middle[:, 0] > 4, (4, 36)[k]), (abs(middle[:, 2] + 4 - k) < 1e-6, 36):
+                self.assertAlmostEqual(areas[of].sum(), area, 5)
+        alone = Planes()
+        alone.take(frames[0])
+        self.assertEqual(len(alone.surface(frames[0])[1]), 8)
 
     @needs("pieces")
     def test_pieces_of_ranks(self):

@@ -71,6 +71,17 @@ struct Outline {
   }
   return out;
 }
+/// The circle where a plane crosses the axis of a cylinder at a right angle.
+[[gnu::cold]] inline Outline circular_outline(const Plane& plane, const Cylinder& c) {
+  const Vec3d axis = normalised(c.to - c.from);
+  const Vec3d centre = c.from + dot(plane.point - c.from, axis) * axis;
+  const Outline lateral = lateral_outline(centre, centre + axis, c.radius, c.radius);
+  Outline out;
+  for (std::uint32_t k = 0; k < lateral.points.size(); k += 2)
+    out.points.push_back(lateral.points[k]);
+  for (std::uint32_t k = 1; k + 1 < out.points.size(); ++k) out.triangles.push_back({0, k, k + 1});
+  return out;
+}
 [[gnu::cold]] inline Outline outline(const Cylinder& c, const Box&) {
   return lateral_outline(c.from, c.to, c.radius, c.radius);
 }

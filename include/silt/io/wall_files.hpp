@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -67,18 +68,43 @@ Box wall_region(const Sim& sim) {
   return part;
 }
 
+/// The widest cylinder that a plane of wall `w` closes and moves with, as the end of a drum does,
+/// in the wall's coordinates; none if there is none.
+template <class Sim>
+std::optional<Cylinder> closed_cylinder(const Sim& sim, std::size_t w, const Plane& plane) {
+  std::optional<Cylinder> widest;
+  if (!sim.wall(w).moves()) return widest;
+  for (std::size_t v = 0; v < sim.walls(); ++v) {
+    if (!sim.wall(v).moves() || !(sim.wall(v).pose == sim.wall(w).pose)) continue;
+    for (const Surface& surface : sim.wall(v).surfaces) {
+      const auto* c = std::get_if<Cylinder>(&surface);
+      if (c == nullptr || c->side != Side::Inside || (widest && c->radius <= widest->radius))
+        continue;
+      const Vec3d axis = c->to - c->from;
+      const double length = norm(axis), tolerance = 1e-6 * length,  // [m]
+          place = dot(plane.point - c->from, axis) / length;
+      if (norm(cross(plane.unit().normal, axis)) <= tolerance && place >= -tolerance &&
+          place <= length + tolerance)
+        widest = *c;
+    }
+  }
+  return widest;
+}
+
 }  // namespace detail
 
 /// Triangles that show a wall at its present pose; planes only within `around`.
 struct WallTriangles {
   std::vector<Vec3d> points;  // [m]
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<std::uint32_t> wall;  // number of the wall, for each point
+  std::vector<std::uint32_t> wall;       // number of the wall, for each point
+  std::vector<std::uint32_t> unbounded;  // 1: of a plane, which goes on; for each point
 
   bool operator==(const WallTriangles&) const = default;
 };
 /// The walls of a simulation as triangles. Planes are cut at the box [m], and where they go behind
-/// another plane of the same wall.
+/// another plane of the same wall. Those that close a cylinder and move with it, as the ends of a
+/// drum, are circles.
 template <class Sim>
 WallTriangles wall_triangles(const Sim& sim, const Box& around) {
   WallTriangles out;
@@ -86,20 +112,26 @@ WallTriangles wall_triangles(const Sim& sim, const Box& around) {
     const Pose& pose = sim.wall(w).pose;
     const std::vector<Plane> planes = detail::planes_of(sim.wall(w));
     std::size_t plane = 0;
-    const auto add = [&](const detail::Outline& seen, const auto& place) {
+    const auto add = [&](const detail::Outline& seen, const auto& place, bool unbounded) {
       const auto first = static_cast<std::uint32_t>(out.points.size());
       for (const auto& p : seen.points)
-        out.points.push_back(place(p)), out.wall.push_back(static_cast<std::uint32_t>(w));
+        out.points.push_back(place(p)), out.wall.push_back(static_cast<std::uint32_t>(w)),
+            out.unbounded.push_back(unbounded);
       for (const auto& t : seen.triangles)
         out.triangles.push_back({first + t[0], first + t[1], first + t[2]});
     };
+    const auto in_space = [&](const Vec3d& p) { return pose.to_space(p); };
     for (const auto& surface : sim.wall(w).surfaces)
-      if (std::holds_alternative<Plane>(surface))
-        add(detail::outline(planes[plane++], around, planes), [](const Vec3d& p) { return p; });
-      else
-        detail::visit_surface(surface, [&](const auto& s) {
-          add(detail::outline(s, around), [&](const Vec3d& p) { return pose.to_space(p); });
-        });
+      if (const auto* flat = std::get_if<Plane>(&surface)) {
+        const detail::Outline cut = detail::outline(planes[plane++], around, planes);
+        if (const auto round = detail::closed_cylinder(sim, w, *flat))
+          add(detail::circular_outline(*flat, *round), in_space, false);
+        else
+          add(
+              cut, [](const Vec3d& p) { return p; }, true);
+      } else
+        detail::visit_surface(
+            surface, [&](const auto& s) { add(detail::outline(s, around), in_space, false); });
   }
   return out;
 }
@@ -107,9 +139,11 @@ WallTriangles wall_triangles(const Sim& sim, const Box& around) {
 inline void write_walls(const std::string& file, const WallTriangles& walls) {
   VtkFields fields;
   fields.add("wall", walls.wall);
+  fields.add("unbounded", walls.unbounded);
   write_vtp_triangles(file, walls.points, walls.triangles, fields);
 }
-/// Writes the walls at their present poses as triangles, with their numbers as the field `wall`.
+/// Writes the walls at their present poses as triangles, with their numbers as the field `wall` and
+/// `unbounded`, which is 1 on planes.
 /// Planes are drawn within `around`, by default the region of the scene: of the particles, inlets
 /// and finite walls, with planes that face each other in one wall, as those of box(), and with
 /// planes across an axis that are at most two extents of all this away. Periodic directions are

@@ -121,11 +121,12 @@ detail::StepTimes Simulation<Policies...>::times_of_step(bool observed) const {
   if constexpr (has_breakage)
     t.parting = this->breakage().rules.separation_speed, t.weak_from = breaks_.weak_from;
   if constexpr (has_events) {
-    // Contacts become long-lasting only in steps that evaluate those; so no step counts twice.
-    constexpr auto every = detail::StepTimes::look_at_rest_every;
-    const std::int64_t looked = step_ - 1 - (step_ + every - 1) % every;
-    t.watched = engine_.events.wanted, t.look_at_rest = step_ % every == 0;
-    t.at_rest_from = time_at(looked - detail::StepTimes::at_rest_after);
+    constexpr int every = detail::StepTimes::look_at_rest_every;
+    const int since = static_cast<int>(step_ % every);
+    t.watched = engine_.events.wanted;
+    t.look_at_rest = since == 0, t.since_look = since == 0 ? every : since;
+    // Contacts come to rest only in steps that evaluate those; so no step counts twice.
+    t.at_rest_from = time_at(step_ - since - detail::StepTimes::at_rest_after);
   }
   return t;
 }

@@ -21,6 +21,7 @@ from ..series import read
 from ..sources import GRID, POINTS, SURFACE
 from .bodies import Bed, in_cuts, pressing, tubes, values_of
 from .canvas import Canvas
+from .planes import Planes
 from .style import (CHAINS, COLOUR_MAPS, COLOURS, DPI, LIQUID, PLAIN, ColourScale, Normalize, Sheet, add_bar, captions,
                     draw_scale_bar, parse_numbers, plt, save, to_rgb)
 from .view import Cut, view_axes, wall_edges
@@ -157,6 +158,7 @@ class Scene:
             self.beside[layer] = open_series(name) if name and name != "none" else None
         self.found = [self._walls_beside(s) for s in self.series] if options.walls is None else \
             [None] * len(self.series)
+        self.planes = Planes()
         self.eye: Optional[np.ndarray] = None
 
     def _walls_beside(self, series: Series) -> Optional[Series]:
@@ -199,10 +201,9 @@ class Scene:
                 frames[0][self.options.colour]  # says which fields there are
         for one in frames:
             self._take(out, one)
-        found = self.found if self.options.together else self.found[k:k + 1]
-        walls = self.beside["walls"] or next((w for w in found if w is not None), None)
-        if walls is not None and self.options.walls != "none":
-            self._take_walls(out, self._companion(walls, frame))
+        walls = self._walls_of(k, frame)
+        if walls is not None:
+            self._take_walls(out, walls)
         for layer, take in (("contacts", self._take_contacts), ("flow", self._take_flow)):
             series = self.beside[layer]
             if series is not None:
@@ -210,6 +211,19 @@ class Scene:
         if self.beside["bonds"] is not None:
             self._take_bonds(out, self._companion(self.beside["bonds"], frame), self.options.bond_colour)
         return out
+
+    def _walls_of(self, k: int, frame: Frame) -> Optional[Frame]:
+        """What is drawn as walls beside a frame of series k."""
+        found = self.found if self.options.together else self.found[k:k + 1]
+        walls = self.beside["walls"] or next((w for w in found if w is not None), None)
+        return None if walls is None or self.options.walls == "none" else self._companion(walls, frame)
+
+    def _take_planes(self, shots: Sequence[tuple[int, int]]) -> None:
+        """Planes of walls are as large in all these panels as in any."""
+        for k, n in shots:
+            walls = self._walls_of(k, self.series[k][n])
+            if walls is not None and walls.kind == SURFACE:
+                self.planes.take(walls)
 
     def _has_colour(self, frame: Frame) -> bool:
         colour, more = self.options.colour, true_shape(frame)[1]
@@ -256,10 +270,10 @@ class Scene:
     def _take_walls(self, out: Layers, frame: Frame) -> None:
         if frame.kind != SURFACE:
             raise Error(f"file '{frame.path}' has no triangles; --walls takes a file of walls")
-        points = frame.points.astype(float)
+        points, triangles = self.planes.surface(frame)
         eye = None if self.eye is None else self.eye @ self.axes
-        edges = wall_edges(points, frame.triangles, self.axes[2], eye)
-        walls = frame.corners.astype(float)
+        edges = wall_edges(points, triangles, self.axes[2], eye)
+        walls = points[triangles]
         for cut in self.cuts:
             edges, walls = cut.clip(edges), cut.clip_triangles(walls)
         out.edges, out.walls = edges @ self.axes.T, walls @ self.axes.T
@@ -299,6 +313,7 @@ class Scene:
         save(figure, out, self._dpi(figure.get_figwidth()))
 
     def _load(self, shots: Sequence[tuple[int, int]]) -> tuple[list[Layers], Extent]:
+        self._take_planes(shots)
         panels, extent = [self.layers(k, n) for k, n in shots], Extent()
         for layers in panels:
             extent.take(layers)
@@ -380,6 +395,8 @@ class Scene:
                 return [(0, n)]
             return [(0, n)] + [(k, s.number_at(self.series[0].times[n])) for k, s in enumerate(self.series[1:], 1)]
 
+        for n in numbers:
+            self._take_planes(shots(n))
         extent = Extent()
         for n in numbers:
             for k, m in shots(n):

@@ -28,7 +28,7 @@ namespace silt::inline SILT_TARGET {
 /// Source: none.
 /// Valid:  every contact that lasts at least one step.
 /// Units:  SI.
-/// Errors: does not compile with Ranks.
+/// Errors: none.
 struct ContactEvents {
   static constexpr bool is_contact_events = true;
 };
@@ -58,10 +58,11 @@ namespace detail {
 
 /// Values stored for a tracked contact.
 struct WatchedNumbers {
-  // Two values for the time, because one float would not be precise enough; the first is above 0
-  // during contact. For the largest force [N], its square.
+  // Two values for the time, because one float would not be precise enough; the first is not 0
+  // during contact, and negative at rest. For the largest force [N], its square. `calm`: regular
+  // evaluations in a row at which the surfaces hardly moved.
   static constexpr std::size_t begin = 0, normal_speed = 2, tangential_speed = 3, largest = 4,
-                               work = 5, force = 6, couple = 9;
+                               work = 5, calm = 6, force = 7, couple = 10;
 };
 /// Whether the contact forces come with couples: rolling resistance, or contacts with an area.
 template <class ContactsType>
@@ -136,7 +137,7 @@ template <class NumberAt>
 ContactEvent kept_event(const NumberAt& number, double now) {
   using N = WatchedNumbers;
   ContactEvent e;
-  e.begin = number(N::begin) + number(N::begin + 1), e.end = now;
+  e.begin = std::abs(number(N::begin)) + number(N::begin + 1), e.end = now;
   e.normal_speed = number(N::normal_speed), e.tangential_speed = number(N::tangential_speed);
   e.largest_force = std::sqrt(number(N::largest)), e.lost_energy = -number(N::work);
   return e;
@@ -148,7 +149,7 @@ void end_watched(const Number& number, const Vec3d& velocity, const Times& times
                  NotesOf<ContactsType>& notes) {
   using N = WatchedNumbers;
   if constexpr (keeps_events<ContactsType>) {
-    if (!(number(N::begin) > 0)) return;
+    if (number(N::begin) == 0) return;
     if (times.watched) {
       const auto numbers = [&](std::size_t k) { return static_cast<double>(number(k)); };
       ContactEvent kept = kept_event(numbers, times.now);
@@ -166,8 +167,10 @@ void end_watched(const Number& number, const Vec3d& velocity, const Times& times
 }
 
 /// Tracks packs of contacts. The work of a force is its mean over the step times the displacement,
-/// as in the energy ledger. Contacts older than a given age are evaluated only in some steps
-/// (StepTimes), for all the steps between; their end is detected in any step.
+/// as in the energy ledger. Contacts at rest are evaluated only in some steps (StepTimes), for all
+/// the steps between; their end is detected in any step. At rest are those whose surfaces have
+/// moved so slowly at several of these evaluations, and still do, that the force hardly changes
+/// from one to the next.
 template <class ContactsType, class Real>
 class ContactWatch {
   using Scalar = ScalarOf<Real>;
@@ -177,12 +180,11 @@ class ContactWatch {
  public:
   /// Whether a pack of contacts must be tracked in this step; `begin`: the first value of each.
   template <class Touching, class Times>
-  static SILT_INLINE bool is_due(const Touching& touching, const Scalar* begin,
-                                 const Times& times) {
+  static SILT_INLINE bool is_due(const Kinematics<Real>& kin, const Touching& touching,
+                                 const Scalar* begin, const Times& times) {
     const Real begun = silt::load<Real>(begin);
-    const auto known = touching || begun > Real(0);
-    return any(known && !(touching && is_at_rest(begun, times))) ||
-           (times.look_at_rest && any(known));
+    const auto known = touching || begun != Real(0), at_rest = touching && begun < Real(0);
+    return any(known && !(at_rest && is_slow(kin, times))) || (times.look_at_rest && any(known));
   }
 
   /// Contacts k and following, after the law. `load`: 0 where the law does not act; `couple` [N m]:
@@ -195,7 +197,8 @@ class ContactWatch {
                                const Vec3<Real>& turning, Scalar* const* kept, const Times& times,
                                std::size_t k, ContactNotes& notes, const Real& gradient = Real(1)) {
     const Real zero(0), begun = silt::load<Real>(kept[N::begin]);
-    const auto touched = begun > zero, at_rest = touching && is_at_rest(begun, times);
+    const auto touched = begun != zero, slow = is_slow(kin, times), rested = begun < zero,
+               at_rest = touching && rested && slow;
     Vec3<Real> velocity = kin.velocity, turn = turning, force = load.force, moment = couple;
     if constexpr (HasGradient) {
       const Real per_gradient = Real(1) / gradient;
@@ -217,12 +220,19 @@ class ContactWatch {
       power += dot(moment, turn), power_before += dot(moment_before, turn);
       keep(kept + N::couple, select(passed_over, moment_before, moment));
     }
-    // For long-lasting contacts the present force represents all steps since it was last evaluated.
-    const double of_rest = times.look_at_rest ? 2 * Times::look_at_rest_every : 0;
-    power = select(at_rest, Real(static_cast<Scalar>(of_rest)) * power, power + power_before);
-    power = select(power == power, power, zero);  // NaN: the partner has left
-    const Real half(static_cast<Scalar>(0.5 * times.worked));
-    silt::store(kept[N::work], silt::load<Real>(kept[N::work]) + half * power);
+    // A regular evaluation at rest represents half the steps since the last and half of those until
+    // the next. Where rest ends, the steps passed over had about this power, but were slow.
+    constexpr double every = Times::look_at_rest_every;
+    const Real of_rest(static_cast<Scalar>(times.look_at_rest ? every : 0)),
+        passed(static_cast<Scalar>(times.since_look - 1 - every / 2)),
+        ahead(static_cast<Scalar>(every / 2)), half(Scalar(0.5));
+    const auto begins_rest = keep_rest(slow, begun, kept, times) && !rested && touching;
+    Real work = select(at_rest, of_rest * power, half * (power + power_before));
+    work += select(rested && !at_rest, passed * slowed(power, kin, times), zero);
+    work += select(begins_rest, ahead * power, zero);
+    work = select(work == work, work, zero);  // NaN: the partner has left
+    const Real worked(static_cast<Scalar>(times.worked));
+    silt::store(kept[N::work], silt::load<Real>(kept[N::work]) + worked * work);
     const Real size = dot(force, force), last = silt::load<Real>(kept[N::largest]);
     if (any(touching && size > last))
       silt::store(kept[N::largest], select(touching, max(last, size), last));
@@ -241,9 +251,38 @@ class ContactWatch {
   }
 
  private:
+  /// Squares of the distance [m] that the surfaces move until the next regular evaluation, over the
+  /// part of the overlap that this may be at rest.
   template <class Times>
-  static SILT_INLINE auto is_at_rest(const Real& begun, const Times& times) {
-    return begun > Real(0) && begun < Real(static_cast<Scalar>(times.at_rest_from));
+  static SILT_INLINE Real moved_squared(const Kinematics<Real>& kin, const Times& times) {
+    Vec3<Real> sliding = kin.velocity;
+    if constexpr (ContactsType::rotates) sliding -= kin.arm * cross(kin.spin, kin.normal);
+    const Real per_move(
+        static_cast<Scalar>(times.step * Times::look_at_rest_every / Times::move_at_rest));
+    return per_move * per_move * dot(sliding, sliding);
+  }
+  template <class Times>
+  static SILT_INLINE auto is_slow(const Kinematics<Real>& kin, const Times& times) {
+    return kin.overlap > Real(0) && moved_squared(kin, times) < kin.overlap * kin.overlap;
+  }
+  /// The power [W] at the largest speed of rest, if that is lower.
+  template <class Times>
+  static SILT_INLINE Real slowed(const Real& power, const Kinematics<Real>& kin,
+                                 const Times& times) {
+    const Real overlap = max(kin.overlap, Real(0)), moved = moved_squared(kin, times);
+    return power * sqrt(min(Real(1), overlap * overlap / max(moved, smallest<Scalar>())));
+  }
+  /// Counts regular evaluations at which a contact was slow; returns whether it is at rest now.
+  template <class Slow, class Times>
+  static SILT_INLINE auto keep_rest(const Slow& slow, const Real& begun, Scalar* const* kept,
+                                    const Times& times) {
+    const Real more(static_cast<Scalar>(times.look_at_rest ? 1 : 0)),
+        calm = select(slow, silt::load<Real>(kept[N::calm]) + more, Real(0)),
+        time = max(begun, -begun), enough(static_cast<Scalar>(Times::calm_at_rest));
+    const auto rests = calm >= enough && time < Real(static_cast<Scalar>(times.at_rest_from));
+    silt::store(kept[N::calm], min(calm, enough));
+    silt::store(kept[N::begin], select(rests, -time, time));
+    return rests;
   }
 
   /// A pack in which contacts begin or end.

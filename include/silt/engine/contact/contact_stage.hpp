@@ -32,7 +32,7 @@ class WatchedPacks {
       if (kinds != nullptr && ActsAtDistance<typename ContactsType::Law>)
         coefficients.choose(kinds + k);
       const auto kinematics = block.template get<Real>(k);
-      if (!Watch::is_due(Kernel::acting(kinematics, coefficients.law()),
+      if (!Watch::is_due(kinematics, Kernel::acting(kinematics, coefficients.law()),
                          history[ContactsType::events_from + WatchedNumbers::begin] + k, times))
         continue;
       which_[packs_++] = static_cast<std::uint16_t>(k);

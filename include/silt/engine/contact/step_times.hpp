@@ -15,11 +15,14 @@ struct StepTimes {
   double lag = 0.5;      // [steps] lag of velocities behind positions
   double now = 0;        // [s]
   bool watched = false;  // an observer asks for begins and ends of contacts
-  // Force and work of tracked contacts that began before this time [s] are evaluated in some steps
-  // only; whether this step is one of them.
-  double at_rest_from = -1;
+  // Force and work of tracked contacts at rest are evaluated in some steps only: whether this is
+  // one of them, steps since the last of them, and the time [s] before which such contacts began.
   bool look_at_rest = true;
+  int since_look = look_at_rest_every;
+  double at_rest_from = -1;
   static constexpr int at_rest_after = 2000, look_at_rest_every = 8;  // steps
+  static constexpr int calm_at_rest = 16;                             // evaluations
+  static constexpr double move_at_rest = 0.05;  // [-] of the overlap between evaluations
   bool renew_areas = true;  // contacts of smooth bodies recompute their points (contact_area.hpp)
   static constexpr int areas_every = 8;  // steps
   double parting = 0;                    // [m/s] rate at which offsets shrink

@@ -217,7 +217,7 @@ struct AtAreaPoints {
     std::array<double*, ContactsType::event_numbers> kept;
     for (std::size_t h = 0; h < kept.size(); ++h)
       kept[h] = history[ContactsType::events_from + h] + k;
-    if (!Watch::is_due(touches, kept[WatchedNumbers::begin], times)) return;
+    if (!Watch::is_due(kin, touches, kept[WatchedNumbers::begin], times)) return;
     const Vec3<Real> none{Real(0), Real(0), Real(0)};
     const PairLoad<Real> load{force, none, none};
     if (gradients != nullptr)
