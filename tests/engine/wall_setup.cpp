@@ -302,7 +302,7 @@ TEST_CASE("belts: a drum whose surface moves at a rate does as one that turns, w
                          silt::Contacts<HertzMindlin, Rolling>{
                              rubber, {{.rolling_friction = 0.2}, {.twisting_friction = 0.4}}}};
     sim.threads = 1, sim.gravity = {0, 0, -9.81}, sim.time_step = 2e-5;
-    const silt::Cylinder drum{{0, -1, 0}, {0, 1, 0}, 0.05};
+    const silt::Cylinder drum{{0, -1, 0}, {0, 1, 0}, 0.05, silt::Side::Inside};
     if (belt)
       sim.add_wall(drum, rubber, {.surface_velocity = {.rate = {0, 3, 0}}});
     else

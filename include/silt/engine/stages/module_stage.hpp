@@ -118,7 +118,8 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
 
   /// Checks fields that no update() computes, after changes by observers or by the program.
   template <class Engine>
-  void check_given(const Engine& e, std::int64_t step, double time) const {
+  void check_given(const Engine& e, [[maybe_unused]] std::int64_t step,
+                   [[maybe_unused]] double time) const {
     (check_given_one<Ms>(e, step, time), ...);
   }
 
