@@ -298,6 +298,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   double potential(std::size_t k) const { return -mass(k) * dot(gravity_booked_, position(k)); }
   void prepare();
   void check_start();
+  void book_gravity();
   void begin_run();
   double chosen_time_step() const;
   double step_for(double speed, double contact) const;
@@ -372,6 +373,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   double checked_speed_ = 0, checked_overlap_ = 0, peak_overlap_ = 0;
   detail::NextIds next_;
   bool first_kick_ = true, kicked_ = false, observed_ = false, continued_ = false;
+  bool running_ = false;                                       // in run(), with its observers
   mutable std::set<std::string> written_;                      // continues()
   detail::ContactsKept kept_ = detail::ContactsKept::Nothing;  // of the present step
   bool scene_changed_ = false;                                 // since the last run began

@@ -451,6 +451,85 @@ TEST_CASE("servo: a lid that is moved steadily keeps its mean force, 1e-3") {
   }
 }
 
+TEST_CASE("free walls: a fixed sphere stops what falls onto it, and throws it back with e") {
+  // A plate on a slide, as in the test of two bodies: k d^1.5 between sphere and plate, e = 0.6.
+  HertzMindlin::Material lossy = elastic;
+  lossy.restitution = 0.6;
+  silt::Particles<Sphere> p;
+  p.add({.position = {0, 0, 0.01}, .radius = 0.01, .density = 2500, .fixed = true});
+  auto sim = scene(std::move(p), lossy);
+  sim.time_step = 1e-6;
+  sim.add_wall(
+      silt::Plane{{0, 0, 0.0201}, {0, 0, -1}}, lossy,
+      {.name = "plate", .drive = Slide{.direction = {0, 0, 1}, .mass = 0.1, .speed = -0.5}});
+  sim.run(0.01);
+  // Without the contact it would go on with -0.5. Of second order in the step; the model's own e
+  // is that of its damping with the end at zero force: 1e-3.
+  CHECK(sim.wall("plate").state.rate_now == doctest::Approx(0.6 * 0.5).epsilon(1e-3));
+  const auto e = sim.energy();
+  CHECK(std::abs(e.residual()) < 1e-5 * e.turned_over);
+  CHECK(e.normal_damping == doctest::Approx(0.5 * 0.1 * 0.25 * (1 - 0.36)).epsilon(2e-3));
+}
+
+TEST_CASE("free walls: a flap, a box and a lid rest on fixed spheres; walls with motions do not") {
+  constexpr double g = 9.81, R = 0.01;
+  silt::Particles<Sphere> p;
+  for (const double x : {-0.02, 0.02})
+    for (const double y : {-0.02, 0.02})
+      p.add({.position = {x, y, R}, .radius = R, .density = 2500, .fixed = true});
+  p.add({.position = {1, 1, R}, .radius = R, .density = 2500});  // sets the time step
+  const auto in = [&](auto set) {
+    auto sim = scene(p, rubber);
+    sim.gravity = {0, 0, -g};
+    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber, {.name = "floor"});
+    set(sim);
+    sim.run(0.4);
+    CHECK(sim.wall("floor").force.z == doctest::Approx(-sim.mass(4) * g).epsilon(1e-3));
+    return sim;
+  };
+  SUBCASE("a box") {
+    const auto mesh = silt::box_mesh({-0.03, -0.03, 0.0201}, {0.03, 0.03, 0.03});
+    const auto body = silt::free_body(mesh, 500);
+    const auto sim = in([&](auto& s) { s.add_wall(mesh, rubber, {.name = "it", .drive = body}); });
+    CHECK(sim.wall("it").force.z == doctest::Approx(body.mass * g).epsilon(1e-3));
+    CHECK(norm(sim.wall("it").state.velocity_now) < 1e-4);
+  }
+  SUBCASE("a flap") {
+    const auto sim = in([&](auto& s) {
+      s.add_wall(silt::rectangle({-0.06, -0.03, 0.0201}, {0.09, 0, 0}, {0, 0.06, 0}), rubber,
+                 {.name = "it",
+                  .drive = Hinge{.centre = {-0.06, 0, 0.0201},
+                                 .axis = {0, 1, 0},
+                                 .inertia = 1e-4,
+                                 .mass = 0.03,
+                                 .centre_of_mass = {-0.015, 0, 0.0201}}});
+    });
+    // The weight's moment m g 45 mm.
+    CHECK(sim.wall("it").torque.y == doctest::Approx(-0.03 * g * 0.045).epsilon(1e-3));
+    CHECK(std::abs(sim.wall("it").state.rate_now) < 1e-3);
+  }
+  SUBCASE("a lid of a servo") {
+    const auto sim = in([&](auto& s) {
+      s.add_wall(
+          silt::rectangle({-0.03, -0.03, 0.021}, {0.06, 0, 0}, {0, 0.06, 0}), rubber,
+          {.name = "it",
+           .drive = silt::ServoForce{.direction = {0, 0, -1}, .force = 0.5, .max_speed = 0.05}});
+    });
+    // k d^1.5 of four springs, k = 4/3 E* sqrt(R), E* = E/(2 (1 - nu^2)).
+    const double k = 4.0 / 3 * 1e6 / (2 * (1 - 0.09)) * std::sqrt(R);
+    CHECK(sim.wall("it").force.z == doctest::Approx(0.5).epsilon(1e-3));
+    CHECK(sim.wall("it").pose.translation.z + 0.001 ==
+          doctest::Approx(-std::pow(0.5 / 4 / k, 2.0 / 3)).epsilon(1e-3));
+  }
+  SUBCASE("a wall with a motion passes through them") {
+    const auto sim = in([&](auto& s) {
+      s.add_wall(silt::rectangle({-0.03, -0.03, 0.0201}, {0.06, 0, 0}, {0, 0.06, 0}), rubber,
+                 {.name = "it", .motion = silt::translation({0, 0, -1e-3})});
+    });
+    CHECK(norm(sim.wall("it").force) == 0);
+  }
+}
+
 TEST_CASE("servo: a paddle presses a fixed sphere with torque over arm") {
   silt::Particles<Sphere> p;
   p.add({.position = {0.05, 0.02, 0}, .radius = 0.005, .density = 2500, .fixed = true});
@@ -491,6 +570,17 @@ TEST_CASE("drives: what cannot be is refused by name") {
   refused(Slide{.direction = {0, 0, 1}, .mass = 1, .speed = nan}, {"Slide.speed"});
   refused(Hinge{.centre = {}, .axis = {0, 0, 0}, .inertia = 1}, {"Hinge.axis"});
   refused(Hinge{.centre = {}, .axis = {0, 0, 1}, .inertia = -1}, {"Hinge.inertia = -1 [kg m2]"});
+  refused(Hinge{.centre = {0, 1, 0},
+                .axis = {2, 0, 0},
+                .inertia = 1e-9,
+                .mass = 2,
+                .centre_of_mass = {5, 1, 0.5}},
+          {"Hinge.inertia = 1e-09 [kg m2]", "at least mass times the square", "0.5 kg m2"});
+  CHECK_NOTHROW(silt::detail::check_drive(Hinge{.centre = {0, 0, 0},  // a point mass
+                                                .axis = {0, 1, 0},
+                                                .inertia = 0.3 * 0.7 * 0.7,
+                                                .mass = 0.3,
+                                                .centre_of_mass = {0.7, 0, 0}}));
   refused(silt::ServoForce{.direction = {0, 0, 1}, .force = nan, .max_speed = 1},
           {"ServoForce.force"});
   refused(silt::ServoForce{.direction = {0, 0, 1}, .force = 1, .max_speed = 0},

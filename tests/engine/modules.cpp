@@ -289,6 +289,28 @@ TEST_CASE("modules: what is not finite or not resolved stops the run, by name") 
                   {"the modules' rate of particle 0", "guard.max_rate", "time_step to less than"}));
 }
 
+TEST_CASE("modules: a field without an update that is set to NaN stops the run, by name") {
+  // Else checkpoints would be written that cannot be read.
+  auto sim = one_sphere({1, 0, 0}, silt::Field<"q">{2});
+  sim.time_step = 1e-4;
+  const std::initializer_list<std::string> words{"the field 'q' of particle 0", "is nan",
+                                                 "must be finite", "has set it"};
+  CHECK(has_words(refusal<silt::SimulationError>([&] {
+                    sim.run(0.01, silt::at(silt::every(1e-3), [](auto& s) {
+                              if (s.time() > 0.004) s.template field<"q">(0) = NAN;
+                            }));
+                  }),
+                  words));
+  auto again = one_sphere({1, 0, 0}, silt::Field<"q">{2});
+  again.time_step = 1e-4;
+  again.run(0.001);
+  again.field<"q">(0) = NAN;
+  CHECK(has_words(refusal<silt::SimulationError>([&] { again.run(0.001); }), words));
+  again.field<"q">(0) = 3;
+  again.run(0.001);
+  CHECK(again.field<"q">(0) == 3);
+}
+
 // The trap is what makes the time step short, where contacts are soft.
 TEST_CASE("modules: the time step that silt chooses resolves what modules push with") {
   auto sim = one_sphere({0.1, 0, 0}, Trap{4e4});

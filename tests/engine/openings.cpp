@@ -67,6 +67,27 @@ TEST_CASE("outlet: takes away and counts those whose centre enters it, each once
   CHECK(sim.outlet(outlet).mass == near(gone).epsilon(1e-12));  // round-off of five sums
 }
 
+TEST_CASE("outlet: in a periodic box it takes what has an image in it, on either side") {
+  const auto taken = [](const Box& outlet) {
+    silt::Particles<Sphere> p;
+    for (const double x : {0.5e-3, 10e-3, 19.5e-3})
+      p.add({.position = {x, 5e-3 + x / 2, 0}, .radius = 1e-3, .density = 1000});
+    auto sim = scene(p);
+    sim.add_outlet(outlet);
+    sim.run(1e-3);
+    return std::vector<bool>{sim.find(0) == sim.rows(), sim.find(1) == sim.rows(),
+                             sim.find(2) == sim.rows()};
+  };
+  using Gone = std::vector<bool>;
+  CHECK(taken({{19.8e-3, 0, -0.1}, {22.5e-3, 0.02, 0.1}}) == Gone{true, false, false});
+  CHECK(taken({{-2.5e-3, 0, -0.1}, {0.2e-3, 0.02, 0.1}}) == Gone{false, false, true});
+  CHECK(taken({{-41e-3, -0.04, -0.1}, {-40.2e-3, -0.02, 0.1}}) == Gone{false, false, true});
+  // Not across z, which does not repeat.
+  CHECK(taken({{0, 0, 1.9}, {0.02, 0.02, 2.1}}) == Gone{false, false, false});
+  const double inf = std::numeric_limits<double>::infinity();
+  CHECK(taken({{-inf, -inf, -inf}, {0.2e-3, inf, inf}}) == Gone{false, false, false});
+}
+
 TEST_CASE("outlet: an empty region is refused") {
   auto sim = scene();
   CHECK(has_words(refusal<InputError>([&] {

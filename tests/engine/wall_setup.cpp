@@ -8,6 +8,8 @@
 
 #include <silt/boundary/finite_walls.hpp>
 #include <silt/contact/hertz_mindlin.hpp>
+#include <silt/contact/rolling/epsd.hpp>
+#include <silt/contact/rolling/twisting.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/scene_warnings.hpp>
 #include <silt/io/wall_series.hpp>
@@ -95,6 +97,51 @@ TEST_CASE("walls: a name finds its wall, and stands in messages") {
   const auto warnings = silt::scene_warnings(behind);
   REQUIRE(warnings.size() == 1);
   CHECK(has_words(warnings[0], {"is behind wall 0 'tank'"}));
+}
+
+TEST_CASE("remove_wall: further changes are refused by name, and the name is free") {
+  auto sim = scene(one({0, 0, 0.02}));
+  sim.add_wall(floor_plane, rubber, {.name = "floor"});
+  sim.add_wall(silt::box_mesh({-1, -1, 0.1}, {1, 1, 0.2}), rubber, {.name = "lid"});
+  sim.run(0.001);
+  sim.remove_wall("lid");
+  const auto refused = [&](auto&& action) {
+    CHECK(has_words(refusal<InputError>(action), {"wall 1 'lid' was removed", "add a new wall"}));
+  };
+  refused([&] { sim.remove_wall("lid"); });
+  refused([&] { sim.set_motion(1, {}); });
+  refused([&] { sim.set_motion(1, silt::translation({0, 0, 1})); });
+  refused([&] {
+    sim.set_drive("lid", silt::ServoForce{.direction = {0, 0, -1}, .force = 1, .max_speed = 0.1});
+  });
+  refused([&] { sim.set_surface_velocity("lid", {.velocity = {1, 0, 0}}); });
+  refused([&] { sim.set_mesh("lid", silt::box_mesh({-1, -1, 0.1}, {1, 1, 0.2})); });
+  refused([&] { sim.set_reference("lid", {0, 0, 0}); });
+  refused([&] { sim.name_wall("lid", "cover"); });
+  CHECK(sim.wall("lid").impulse.z == 0);  // may be read
+
+  CHECK(sim.add_wall(Plane{{0, 0, 0.3}, {0, 0, -1}}, rubber, {.name = "lid"}) == 2);
+  CHECK(sim.find_wall("lid") == 2);
+  CHECK(sim.wall_name(1) == "wall 1 'lid'");
+  sim.remove_wall("lid");
+  CHECK(sim.find_wall("lid") == 2);  // the last one
+  CHECK(has_words(refusal<InputError>(
+                      [&] { sim.add_wall(silt::Surfaces(std::vector<silt::Surface>{}), rubber); }),
+                  {"add_wall", "no surfaces"}));
+  sim.run(0.01);
+
+  // A checkpoint keeps it removed.
+  const std::string path = temporary("removed_wall.silt");
+  silt::save_checkpoint(sim, path);
+  auto again = scene(one({0, 0, 0.02}));
+  again.add_wall(floor_plane, rubber, {.name = "floor"});
+  again.add_wall(silt::box_mesh({-1, -1, 0.1}, {1, 1, 0.2}), rubber, {.name = "lid"});
+  again.add_wall(Plane{{0, 0, 0.3}, {0, 0, -1}}, rubber, {.name = "cover"});
+  silt::load_checkpoint(again, path);
+  CHECK(has_words(refusal<InputError>([&] { again.set_motion("cover", {}); }),
+                  {"wall 2 'cover' was removed"}));
+  CHECK(again.add_wall(floor_plane, rubber, {.name = "lid"}) == 3);
+  std::filesystem::remove(path);
 }
 
 TEST_CASE("motions: one that is changed in a run begins where the wall is") {
@@ -222,6 +269,52 @@ TEST_CASE("belts: a turning disc takes a sphere along the tangent at its place")
   sim.run(0.01);
   CHECK(sim.velocity(0).y == doctest::Approx(0.5 * 9.81 * 0.01).epsilon(0.02));
   CHECK(std::abs(sim.velocity(0).x) < 0.02 * sim.velocity(0).y);
+}
+
+TEST_CASE("belts: twisting friction takes a ball along up to the rate of the surface") {
+  // T = 3 pi/16 mu_w a F_n, I dw/dt = T; a = sqrt(R d).
+  constexpr double R = 0.01, rate = 20, mu_w = 0.4, g = 9.81;
+  const double mass = 2500 * silt::sphere_volume(R), I = 0.4 * mass * R * R;
+  const double d = rest(mass * g, R),
+               T = 3 * boundary_test::pi / 16 * mu_w * std::sqrt(R * d) * mass * g;
+  silt::Simulation sim{
+      one({0, 0, R - d}), silt::EnergyLedger{},
+      silt::Contacts<HertzMindlin, silt::Twisting>{rubber, {.twisting_friction = mu_w}}};
+  sim.threads = 1, sim.gravity = {0, 0, -g};
+  sim.add_wall(floor_plane, rubber, {.name = "belt", .surface_velocity = {.rate = {0, 0, rate}}});
+  const double all = rate * I / T;  // [s] to come to the surface's rate
+  sim.run(0.4 * all);
+  // Within the time in which the spring is loaded, and the last part of it relaxes.
+  CHECK(sim.angular_velocity(0).z == doctest::Approx(0.4 * rate).epsilon(0.02));
+  CHECK(sim.wall("belt").torque.z == doctest::Approx(-T).epsilon(0.02));
+  sim.run(1.2 * all);
+  CHECK(sim.angular_velocity(0).z == doctest::Approx(rate).epsilon(0.01));
+  const auto e = sim.energy();
+  CHECK(e.walls == doctest::Approx(I * rate * rate).epsilon(0.02));  // torque times rate
+  CHECK(e.rolling_resistance == doctest::Approx(0.5 * I * rate * rate).epsilon(0.02));
+  CHECK(std::abs(e.residual()) < 1e-3 * e.walls);
+}
+
+TEST_CASE("belts: a drum whose surface moves at a rate does as one that turns, with rolling") {
+  const auto run = [](bool belt) {
+    using Rolling = silt::Both<silt::RollingEpsd, silt::Twisting>;
+    silt::Simulation sim{one({0.002, 0.003, -0.0395}),
+                         silt::Contacts<HertzMindlin, Rolling>{
+                             rubber, {{.rolling_friction = 0.2}, {.twisting_friction = 0.4}}}};
+    sim.threads = 1, sim.gravity = {0, 0, -9.81}, sim.time_step = 2e-5;
+    const silt::Cylinder drum{{0, -1, 0}, {0, 1, 0}, 0.05, silt::Side::Inside};
+    if (belt)
+      sim.add_wall(drum, rubber, {.surface_velocity = {.rate = {0, 3, 0}}});
+    else
+      sim.add_wall(drum, rubber, {.motion = silt::rotation({0, 0, 0}, {0, 1, 0}, 3)});
+    sim.run(0.15);
+    return std::pair{sim.position(0), sim.angular_velocity(0)};
+  };
+  const auto [x, w] = run(true);
+  const auto [y, v] = run(false);
+  // To the order of the step: contact points of a surface that turns are those of half a step ago.
+  CHECK(norm(x - y) < 1e-3 * norm(y - Vec3d{0.002, 0.003, -0.0395}));
+  CHECK(norm(w - v) < 1e-3 * norm(v));
 }
 
 TEST_CASE("belts: one that is started goes on with the same bits from a checkpoint") {

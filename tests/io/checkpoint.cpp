@@ -152,6 +152,30 @@ TEST_CASE("checkpoint: restarts of restarts give the same bits, and so does a se
   }
 }
 
+TEST_CASE(
+    "checkpoint: one of before the first run can be loaded between runs, not in an observer") {
+  const Folder folder;
+  auto sim = mixed_scene();
+  sim.time_step = std::nullopt;
+  save_checkpoint(sim, folder / "c");
+  const auto load = [&](auto& s) { load_checkpoint(s, folder / "c"); };
+  std::string words;
+  try {
+    sim.run(1e-3, silt::at(silt::every(5e-4), [&](auto& s) {
+              if (s.time() > 0) load(s);
+            }));
+  } catch (const silt::InputError& e) {
+    words = e.what();
+  }
+  CHECK(words.find("was saved before the first run") != words.npos);
+  CHECK(words.find("load it between runs") != words.npos);
+  CHECK(sim.time() > 0);  // nothing was loaded
+  load(sim);
+  CHECK(sim.time() == 0);
+  sim.run(1e-4);
+  CHECK(sim.step() > 0);
+}
+
 TEST_CASE("checkpoint: saving makes the folder, unless a file has its name") {
   const Folder folder;
   auto sim = mixed_scene();

@@ -448,6 +448,99 @@ TEST_CASE("ledger: particles that come and go, gravity that is changed") {
   CHECK(std::log2(residual[0] / residual[1]) / 2 > 1.7);
 }
 
+TEST_CASE("ledger: gravity that an observer changes is booked as between runs") {
+  const auto run = [](bool in_observer) {
+    silt::Simulation sim{cloud(20, 0.01, 0.1, 4), silt::Contacts<silt::HertzMindlin>{glass},
+                         silt::EnergyLedger{}};
+    sim.threads = 1;
+    sim.gravity = {0, 0, -9.81};
+    sim.time_step = 1e-6;
+    sim.add_wall(silt::Plane{{0, 0, -0.01}, {0, 0, 1}}, glass);
+    const Vec3d tilted{3, 0, -9.81};
+    if (in_observer) {
+      sim.run(0.05, silt::at(silt::every(0.03), [&](auto& s) {
+                if (s.time() < 0.02) return;
+                s.gravity = tilted;
+                CHECK(s.energy().changed_gravity == 0);  // held as before, until it is booked
+              }));
+    } else {
+      sim.run(0.03);
+      sim.gravity = tilted;
+      sim.run(0.02);
+    }
+    return sim.energy();
+  };
+  const auto inside = run(true), between = run(false);
+  CHECK(std::abs(between.changed_gravity) > 0.01 * between.turned_over);
+  CHECK(inside.changed_gravity == between.changed_gravity);
+  CHECK(inside.residual() == between.residual());
+  CHECK(std::abs(inside.residual()) < 1e-3 * inside.turned_over);
+}
+
+TEST_CASE("ledger: gravity along a repeating direction is booked with each passage") {
+  SUBCASE("one sphere that falls round and round: m g L each time") {
+    silt::Particles<silt::Sphere> p;
+    p.add({.position = {0.01, 0.01, 0.005}, .radius = 1e-3, .density = 2500});
+    silt::Simulation sim{std::move(p), silt::Contacts<silt::HertzMindlin>{glass},
+                         silt::EnergyLedger{},
+                         silt::PeriodicBox{{{0, 0, 0}, {0.02, 0.02, 0.02}}, {true, true, true}}};
+    sim.gravity = {0, 0, -9.81};
+    sim.time_step = 5e-6;
+    sim.run(0.2);  // 0.196 m, 10 passages
+    const double m = sim.mass(0);
+    const auto e = sim.energy();
+    CHECK(e.going_round == doctest::Approx(10 * m * 9.81 * 0.02).epsilon(1e-12));
+    CHECK(std::abs(e.residual()) < 1e-9 * e.translation);
+    sim.gravity = {2, 0, 9.81};  // and back again
+    sim.run(0.5);
+    CHECK(std::abs(sim.energy().residual()) < 1e-3 * sim.energy().translation);
+  }
+  SUBCASE("a chute: the bed gains what gravity gives along the flow") {
+    silt::Simulation sim{cloud(60, 0.012, 0.05), silt::Contacts<silt::HertzMindlin>{glass},
+                         silt::EnergyLedger{},
+                         silt::PeriodicBox{{{0, 0, 0}, {0.012, 0.012, 1}}, {true, true, false}}};
+    sim.gravity = {7, 0, -7};
+    sim.time_step = 1e-6;
+    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, glass);
+    sim.run(0.1);
+    const std::string path = (std::filesystem::temp_directory_path() / "going_round.silt").string();
+    silt::save_checkpoint(sim, path);
+    sim.run(0.05);
+    const auto e = sim.energy();
+    CHECK(e.going_round > 0.2 * e.turned_over);
+    CHECK(std::abs(e.residual()) < 2e-4 * e.turned_over);
+    silt::Simulation again{cloud(60, 0.012, 0.05), silt::Contacts<silt::HertzMindlin>{glass},
+                           silt::EnergyLedger{},
+                           silt::PeriodicBox{{{0, 0, 0}, {0.012, 0.012, 1}}, {true, true, false}}};
+    again.gravity = {7, 0, -7};
+    again.time_step = 1e-6;
+    again.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, glass);
+    silt::load_checkpoint(again, path);
+    again.run(0.05);
+    CHECK(again.energy().going_round == e.going_round);
+    std::filesystem::remove(path);
+  }
+  SUBCASE("bodies") {
+    silt::Particles<silt::MultiSphere> p;
+    const auto rod =
+        p.add_form(silt::MultiSphere{.balls = {{{-1e-3, 0, 0}, 1e-3}, {{1e-3, 0, 0}, 1e-3}}});
+    p.add({.form = rod,
+           .position = {0.01, 0.01, 0.005},
+           .radius = 2e-3,
+           .density = 2500,
+           .angular_velocity = {3, 1, 2}});
+    silt::Simulation sim{std::move(p), silt::Contacts<silt::HertzMindlin>{glass},
+                         silt::EnergyLedger{},
+                         silt::PeriodicBox{{{0, 0, 0}, {0.02, 0.02, 0.02}}, {true, true, true}}};
+    sim.gravity = {0, 0, -9.81};
+    sim.time_step = 5e-6;
+    sim.run(0.2);
+    const auto e = sim.energy();
+    CHECK(e.going_round == doctest::Approx(10 * sim.mass(0) * 9.81 * 0.02).epsilon(1e-12));
+    CHECK(std::abs(e.residual()) < 1e-9 * e.translation);
+  }
+}
+
 TEST_CASE("ledger: a checkpoint keeps the books") {
   std::string folder = (std::filesystem::temp_directory_path() / "silt_ledger_XXXXXX").string();
   REQUIRE(::mkdtemp(folder.data()) != nullptr);

@@ -56,7 +56,7 @@ inline Surfaces mesh_wall(const std::string& path, double scale = 1) {
 
 /// Surface velocity of a wall that does not move itself, such as a conveyor belt: `velocity` +
 /// `rate` x (p - centre) at the point p in space. Only its component in the tangent plane of a
-/// contact acts.
+/// contact acts. Resistance to twisting and rolling acts against the rotation relative to `rate`.
 struct SurfaceVelocity {
   Vec3d velocity{0, 0, 0};  // [m/s]
   Vec3d rate{0, 0, 0};      // [rad/s]
@@ -118,6 +118,8 @@ struct Wall {
   double liquid_stiffness = 0,
          liquid_damping = 0;  // [N/m], [N s/m]; of a torque times arms squared
 
+  /// remove_wall() took its surfaces.
+  bool is_removed() const { return surfaces.empty(); }
   bool is_driven() const { return drive.index() != 0; }
   bool has_belt() const { return !belt.is_zero(); }
   /// Whether its surfaces move relative to the wall (belt, deforming mesh).
@@ -184,12 +186,25 @@ inline auto names_of_walls(std::span<const Wall> walls) {
 [[gnu::cold]] inline std::string name_of_wall(std::span<const Wall> walls, std::size_t w) {
   return names_of_walls(walls).words(w);
 }
+/// A name means the wall that is there; of removed walls, the one that had it last.
 [[gnu::cold]] inline std::size_t number_of(std::span<const Wall> walls, const WhichWall& which) {
-  return names_of_walls(walls).number_of(which);
+  std::size_t removed = walls.size();
+  for (std::size_t w = 0; w < walls.size() && which.by_name(); ++w) {
+    if (walls[w].name.empty() || walls[w].name != which.name()) continue;
+    if (!walls[w].is_removed()) return w;
+    removed = w;
+  }
+  return removed < walls.size() ? removed : names_of_walls(walls).number_of(which);
 }
+/// Names of removed walls are free.
 [[gnu::cold]] inline void check_wall_name(std::span<const Wall> walls, std::string_view name,
                                           std::size_t own) {
-  names_of_walls(walls).check(name, own);
+  auto names = names_of_walls(walls);
+  const std::string none;
+  const auto of_those_there = [&](std::size_t w) -> const std::string& {
+    return walls[w].is_removed() ? none : walls[w].name;
+  };
+  Names{names.what, names.count, of_those_there, names.given_by}.check(name, own);
 }
 
 /// Bounds of all surfaces in the wall's coordinates.

@@ -79,7 +79,7 @@ struct Slide {
 struct Hinge {
   Vec3d centre;            // [m] a point of the axis
   Vec3d axis;              // [-] any length except 0
-  double inertia;          // [kg m2] about the axis
+  double inertia;          // [kg m2] about the axis, at least that of the mass at its centre
   double mass = 0;         // [kg] for gravity
   Vec3d centre_of_mass{};  // [m] at the start; needs a mass
   double rate = 0;         // [rad/s] at the start
@@ -212,6 +212,20 @@ inline double inverse_mass_of(const WallDrive& drive, const WallState& s, const 
   return 0;
 }
 
+/// 1/mass [1/kg] of a contact with a fixed particle of radius `R` [m], for its dashpots: that of
+/// the wall, which alone moves. It is finite where the wall cannot move along the normal (Slide) or
+/// at all (at the axis of a Hinge). A servo has no mass: 1/mass is so large that dashpots vanish.
+inline double inverse_mass_at_fixed(const WallDrive& drive, const WallState& s, const Vec3d& point,
+                                    const Vec3d& normal, double R) {
+  if (const auto* d = std::get_if<Slide>(&drive)) return 1 / d->mass;
+  if (const auto* d = std::get_if<Hinge>(&drive)) {
+    const Vec3d arm = cross(normalised(d->axis), point - d->centre);
+    return std::max(dot(arm, arm), 1e-4 * R * R) / d->inertia;
+  }
+  if (std::holds_alternative<FreeBody>(drive)) return inverse_mass_of(drive, s, point, normal);
+  return 1e30;
+}
+
 /// Smallest effective mass [kg] of a wall at its contacts, if no point is farther than `size` [m]
 /// from its centre or axis; infinite for walls without a mass.
 inline double least_mass_of(const WallDrive& drive, const WallState& s, double size) {
@@ -276,6 +290,12 @@ inline void Hinge::check() const {
   require_not_negative("Hinge.mass", mass, "kg");
   require(is_finite(centre_of_mass), "Hinge.centre_of_mass = ", centre_of_mass,
           " [m] must be finite");
+  const Vec3d arm = cross(normalised(axis), centre_of_mass - centre);
+  const double least = mass * dot(arm, arm);  // [kg m2] of all the mass at its centre
+  require(inertia >= least * (1 - 1e-9), "Hinge.inertia = ", inertia,
+          " [kg m2] about the axis must be at least mass times the square of the distance of the "
+          "centre of mass from the axis, ",
+          least, " kg m2");
   detail::require_number("Hinge.rate", rate, "rad/s");
   detail::require_number("Hinge.torque", torque, "N m");
   require_not_negative("Hinge.stiffness", stiffness, "N m/rad");

@@ -174,6 +174,13 @@ class Engine : public Tables<Composition> {
     return detail::power_on_fixed<ContactsType>(particles, sums_.data());
   }
 
+  /// [kg m] Mass times displacement of particles wrapped into a periodic box since the last call.
+  Vec3d take_wrapped() {
+    Vec3d all = std::exchange(lists.wrapped, Vec3d{0, 0, 0});
+    if constexpr (of_bodies) all += std::exchange(mover.wrapped, Vec3d{0, 0, 0});
+    return all;
+  }
+
   std::optional<CrowdedContact> crowded() const {
     return walls.empty() ? std::nullopt : wall_pipeline_.crowded();
   }

@@ -49,16 +49,10 @@ void Simulation<Policies...>::check_start() {
             "other side has fallen without a floor");
   }
   require(is_finite(gravity), "Simulation::gravity = ", gravity, " [m/s2] must be finite");
-  if constexpr (has_ledger) {
-    double change = 0;
-    for (std::size_t k = 0; k < rows() && !first_kick_; ++k)
-      if (is_present(k) && std::isfinite(mass(k)))
-        change -= mass(k) * dot(gravity - gravity_booked_, position(k));
-    book_.change_gravity(change);
-    gravity_booked_ = gravity;
-  }
+  book_gravity();
   detail::check_inertia<ShapeType>();
   if (step_ > 0 || kicked_) detail::check_given(engine_, gravity, step_, time_);
+  modules_.check_given(engine_, step_, time_);
   prepare_fluid();
   engine_.set_threads(threads);
 }

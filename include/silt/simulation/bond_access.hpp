@@ -99,7 +99,7 @@ class BondAccess {
     }();
     const std::size_t w = sim().wall_number(which);
     const Wall& wall = e.walls[w];
-    require(!wall.surfaces.empty(), "Simulation::bond_to_wall: ", sim().wall_name(w),
+    require(!wall.is_removed(), "Simulation::bond_to_wall: ", sim().wall_name(w),
             " has been removed");
     require(p.inverse_mass > 0, "Simulation::bond_to_wall: particle ", id, " is fixed");
     require(is_finite(place), "Simulation::bond_to_wall: place = ", place, " [m] must be finite");

@@ -38,6 +38,7 @@ struct EnergyBalance {
   double walls;            // work of moving walls, belts and prescribed particles
   double openings;         // of particles added, less those that left
   double changed_gravity;  // by changes of `gravity`
+  double going_round;      // by gravity along a repeating direction: m g L of each passage
   double fluid;            // work of the fluid on mobile particles
   double modules;          // work of module forces on mobile particles
   double box;              // work of a DeformingBox; kinetic energies are relative to its flow
@@ -60,12 +61,13 @@ struct EnergyBalance {
            bond_breaking + breaking;
   }
   double supplied() const {
-    return walls + openings + changed_gravity + fluid + modules + box + parting + stiffening;
+    return walls + openings + changed_gravity + going_round + fluid + modules + box + parting +
+           stiffening;
   }
   /// The energy that the balance does not explain: the error of time integration. It is second
   /// order in the step with Leapfrog, first order with SymplecticEuler while forces act, and with
   /// Gear if there is damping or friction (docs/energy.md has numbers). First order are also: a
-  /// change of gravity between runs, because half a step uses the previous value; with friction,
+  /// change of gravity, because half a step uses the previous value; with friction,
   /// the change of the lever arm in half a step (some 1e-7 of the energy turned over at 1000 steps
   /// per contact); RollingOwn; and ends of contact with DampingEnd::ZeroOverlap at walls that are
   /// not planes at rest, or without a Verlet list. It also contains the energy in normal springs of
@@ -105,6 +107,8 @@ class EnergyBook {
   /// Energy that was present and left before the first forces [J].
   void was_there(double energy) { initial_ += energy; }
   void change_gravity(double energy) { changed_gravity_ += energy; }
+  /// Particles were wrapped into a periodic box, which changed their energy in gravity [J].
+  void went_round(double energy) { going_round_ += energy; }
   void fluid_worked(double energy) { of_fluid_ += energy; }
   void modules_worked(double energy) { of_modules_ += energy; }
   void bond_broken(double energy) { bond_breaking_ += energy; }
@@ -136,6 +140,7 @@ class EnergyBook {
     e.bond_damping = bond_damping_, e.bond_breaking = bond_breaking_;
     e.breaking = breaking_;
     e.walls = of_walls_, e.openings = openings_, e.changed_gravity = changed_gravity_;
+    e.going_round = going_round_;
     e.fluid = of_fluid_, e.modules = of_modules_, e.stiffening = work_.stiffening;
     e.free_walls = free_walls;
     e.initial = initial_, e.turned_over = work_.turned_over;
@@ -154,6 +159,7 @@ class EnergyBook {
     }
     for (const auto& [force, torque, reference] : last_)
       for (const Vec3d& v : {force, torque, reference}) all.insert(all.end(), {v.x, v.y, v.z});
+    all.push_back(going_round_);
     return all;
   }
   void restore(const std::vector<double>& all) {
@@ -173,6 +179,7 @@ class EnergyBook {
       last_.push_back({{all[at], all[at + 1], all[at + 2]},
                        {all[at + 3], all[at + 4], all[at + 5]},
                        {all[at + 6], all[at + 7], all[at + 8]}});
+    going_round_ = at < all.size() ? all[at] : 0;  // files of before have none
   }
   /// For the balances of several ranks, if another number of ranks continues: each rank keeps the
   /// terms known to all; of the terms summed over ranks only one rank keeps the sum.
@@ -189,7 +196,8 @@ class EnergyBook {
     for (std::size_t w = 0; w < last_.size() && w < other.last_.size(); ++w)
       last_[w].force += other.last_[w].force, last_[w].torque += other.last_[w].torque;
     of_walls_ += other.of_walls_, openings_ += other.openings_;
-    changed_gravity_ += other.changed_gravity_, initial_ += other.initial_;
+    changed_gravity_ += other.changed_gravity_, going_round_ += other.going_round_;
+    initial_ += other.initial_;
     last_fixed_power_ += other.last_fixed_power_;
     of_fluid_ += other.of_fluid_, of_modules_ += other.of_modules_;
     breaking_ += other.breaking_, bond_damping_ += other.bond_damping_;
@@ -240,6 +248,7 @@ class EnergyBook {
   ContactEnergy<double> stored_ = no_energy<double>(), at_start_ = stored_, work_ = stored_;
   std::vector<Load> last_;  // per wall
   double of_walls_ = 0, openings_ = 0, changed_gravity_ = 0, initial_ = 0, last_fixed_power_ = 0;
+  double going_round_ = 0;
   double of_fluid_ = 0, of_modules_ = 0;
   double breaking_ = 0, bond_damping_ = 0, bond_breaking_ = 0;  // [J]
   double last_bond_power_ = 0;                                  // [W] of their dashpots

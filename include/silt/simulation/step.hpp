@@ -16,6 +16,12 @@ void Simulation<Policies...>::run_steps(double duration, Observers&... observers
   require(std::isfinite(duration) && duration >= 0, "Simulation::run: duration = ", duration,
           " [s] must be finite and not negative; the time is ", time_, " s already");
   prepare();
+  struct Running {
+    bool& now;
+    ~Running() { now = false; }
+  };
+  const Running running{running_};
+  running.now = true;
   const double end = time_ + duration;
   std::int64_t last = step_ + static_cast<std::int64_t>(std::ceil(duration / dt_ * (1 - 1e-12)));
   if constexpr (has_events) engine_.events.wanted = (detail::wants_events(observers) || ...);
@@ -43,6 +49,8 @@ void Simulation<Policies...>::run_steps(double duration, Observers&... observers
       const auto observe = [&] {
         detail::observe_all(*this, again, observers...);
         detail::check_given(engine_, gravity, step_, time_);
+        modules_.check_given(engine_, step_, time_);
+        book_gravity();
       };
       if constexpr (has_ranks)
         this->share_edits("observers", observe);

@@ -16,6 +16,7 @@ std::size_t Simulation<Policies...>::add_wall(Surfaces surfaces,
     detail::visit_surface(part, [](const auto& s) {
       if constexpr (requires { s.check(); }) s.check();
     });
+  require(!surfaces.parts.empty(), "add_wall: there are no surfaces; give at least one");
   const std::size_t k = engine_.walls.size();
   Wall wall;
   wall.surfaces = std::move(surfaces.parts), wall.extent = detail::extent_of(wall.surfaces);

@@ -47,8 +47,9 @@ class WallAccess {
     check_wall_name(all(), name, k);
     all()[k].name = std::move(name);
   }
-  /// Removes the surfaces of a wall, e.g. a lid that opens. Its number and name stay in use. The
-  /// energy in its contacts is booked as in ParticleEdits::remove.
+  /// Removes the surfaces of a wall, e.g. a lid that opens. Its number stays in use; its name is
+  /// free for a new wall. Its loads can still be read; changes of it are refused. The energy in its
+  /// contacts is booked as in ParticleEdits::remove.
   void remove_wall(const WhichWall& which) {
     const std::size_t k = number(which);
     if constexpr (Sim::has_ledger && !Sim::of_bodies && !deforms<typename Sim::Domain>) {
@@ -145,7 +146,14 @@ class WallAccess {
   Sim& sim() { return static_cast<Sim&>(*this); }
   const Sim& sim() const { return static_cast<const Sim&>(*this); }
   auto& all() { return sim().engine_.walls; }
-  std::size_t number(const WhichWall& which) { return number_of(all(), which); }
+  /// Of a wall that is there.
+  std::size_t number(const WhichWall& which) {
+    const std::size_t k = number_of(all(), which);
+    require(!all()[k].is_removed(), wall_name(k),
+            " was removed, perhaps before a checkpoint was saved; leave this change of it out, or "
+            "add a new wall");
+    return k;
+  }
   /// Forces new lists and a check of the time step.
   void changed(std::size_t) {
     sim().engine_.lists.forget();

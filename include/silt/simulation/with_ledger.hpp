@@ -51,12 +51,30 @@ void Simulation<Policies...>::book_step([[maybe_unused]] const detail::StepTimes
         if (is_present(k) && std::isfinite(mass(k))) start += kinetic(k).sum() + potential(k);
       if constexpr (has_bonds) start += this->own_bond_energy();
     }
+    if constexpr (Domain::periodic && !detail::deforms<Domain>) {
+      const Vec3d moment = engine_.take_wrapped();
+      if (!first_kick_) book_.went_round(-dot(gravity_booked_, moment));
+    }
     if constexpr (has_bonds) book_.bonds_damped(bond_power, times.worked);
     engine_.contact_energy.worked(0.5 * times.worked);
     book_.book(engine_.contact_energy, engine_.walls, dt_,
                engine_.power_on_fixed() - detail::power_of_belts(engine_.walls),
                first_kick_ ? &start : nullptr, times.ask,
                [this](std::span<double> numbers) { this->sum_over_ranks(numbers); });
+  }
+}
+
+/// Books a change of `gravity` since the last call.
+template <class... Policies>
+void Simulation<Policies...>::book_gravity() {
+  if constexpr (has_ledger) {
+    if (gravity == gravity_booked_) return;
+    double change = 0;
+    for (std::size_t k = 0; k < rows() && !first_kick_; ++k)
+      if (is_present(k) && std::isfinite(mass(k)))
+        change -= mass(k) * dot(gravity - gravity_booked_, position(k));
+    book_.change_gravity(change);
+    gravity_booked_ = gravity;
   }
 }
 

@@ -53,6 +53,7 @@ class BodyMotion {
   std::vector<BodyForm<ShapeType>> forms;
   std::size_t cells = 0;  // number of cell forms, the last ones (cell_forms.hpp)
   std::vector<Body> bodies;
+  Vec3d wrapped{0, 0, 0};  // [kg m] as NearLists::wrapped
   // Number of ghosts among the bodies, the last ones (ParticleState::ghosts).
   [[no_unique_address]] std::conditional_t<State::of_ranks, std::size_t, NoGhosts> ghosts{};
   [[no_unique_address]] FluidLoads<Composition::from_fluid> fluid;  // of each body
@@ -196,8 +197,10 @@ class BodyMotion {
   /// Wraps the bodies into a periodic box; their parts stay where they are.
   template <class Domain>
   void wrap(State& particles, const Domain& domain) {
-    for (Body& b : bodies) {
+    for (std::size_t k = 0; k < bodies.size(); ++k) {
+      Body& b = bodies[k];
       const Vec3d shift = domain.wrapped(b.centre) - b.centre;
+      if (k < owned() && b.inv_m > 0 && b.id != no_particle) wrapped += (1 / b.inv_m) * shift;
       b.centre += shift;
       for (const std::uint32_t row : rows_of(b)) particles.part[row].image -= shift;
     }

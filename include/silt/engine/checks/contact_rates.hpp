@@ -208,6 +208,7 @@ class ContactRates {
       for_each_convex_contact(e_, domain, back_, [&](const SeenContact& c) {
         const double R = 2 * c.R_eff, a = e_.particles.motion[c.i].inv_m;
         const double all = c.inverse_mass_i + c.inverse_mass_j;
+        if (all == 0) return;  // a fixed body at a driven wall
         if (c.j == no_place)
           return add(
               c.i, a, 0, c.normal, c.inverse_mass_i - a, 0,

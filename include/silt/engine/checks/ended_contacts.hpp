@@ -97,6 +97,7 @@ class EndedContacts {
     const Wall& wall = e_.walls[c.wall];
     const auto& all = e_.lists.walls;
     const auto& m = e_.particles.motion[c.particle];
+    if (m.inv_m == 0 && !wall.is_driven()) return;
     const double r = e_.particles.position[c.particle].r;
     // The contact's own slot: the only one, or the one that had nearly this normal.
     const std::size_t slots =
@@ -108,13 +109,16 @@ class EndedContacts {
     const Vec3d contact = place_before(e_, c.particle, since_) - point.distance * point.normal;
     Kinematics<double> kin{};
     kin.normal = point.normal, kin.overlap = r - point.distance;
-    kin.velocity =
-        m.velocity() - velocity_at_contact(wall, all.seen(c, contact), point.normal, dt_);
-    kin.R_eff = r, kin.inverse_m_eff = m.inv_m, kin.m_eff = 1 / m.inv_m;
+    const Vec3d on_wall = all.seen(c, contact);
+    kin.velocity = m.velocity() - velocity_at_contact(wall, on_wall, point.normal, dt_);
+    kin.R_eff = r, kin.inverse_m_eff = m.inv_m;
+    if (m.inv_m == 0)
+      kin.inverse_m_eff = inverse_mass_at_fixed(wall.drive, wall.state, on_wall, point.normal, r);
+    kin.m_eff = 1 / kin.inverse_m_eff;
     Vec3d turn{0, 0, 0};
     if constexpr (C::rotates) {
       kin.spin = m.spin_velocity(), kin.arm = point.distance * m.inv_r;
-      turn = m.inv_r * m.spin_velocity();
+      turn = m.inv_r * m.spin_velocity() - spin_of_surface(wall, dt_);
     }
     std::size_t kind = wall.material;
     if constexpr (C::several_materials)

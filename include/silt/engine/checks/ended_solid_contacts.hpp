@@ -51,7 +51,7 @@ class EndedSolidContacts {
         next = end_of_images(all, k);
       const auto& c = all[k];
       if (is_gone(c.particle) && c.surface < e.walls[c.wall].surfaces.size() &&
-          e.particles.motion[c.particle].inv_m > 0)
+          (e.particles.motion[c.particle].inv_m > 0 || e.walls[c.wall].is_driven()))
         add_wall(all.subspan(k, next - k));
     }
   }
@@ -124,9 +124,12 @@ class EndedSolidContacts {
           const Vec3d spin =
               wall.moves() ? mean_angular_velocity(wall.last_pose, wall.pose, dt_) : Vec3d{0, 0, 0};
           const double R = walls.history(C::memory_radius, c.slot + slot);
+          const double inverse_mass =
+              body.inv_m == 0
+                  ? inverse_mass_at_fixed(wall.drive, wall.state, on_wall, found.normal, R)
+                  : body.inverse_mass(arm, found.normal, found.couple);
           add(found, body.velocity_at(arm) - velocity_at_contact(wall, on_wall, found.normal, dt_),
-              body.spin - spin, body.inverse_mass(arm, found.normal, found.couple), R, {R, 0},
-              kind_of(c.particle, wall.material),
+              body.spin - spin, inverse_mass, R, {R, 0}, kind_of(c.particle, wall.material),
               [&](std::size_t h) { return static_cast<double>(walls.history(h, c.slot + slot)); });
         });
   }

@@ -83,6 +83,7 @@ template <class EngineType, class Domain, class Visit>
       visit(i, j, 0, false, (r + q - norm(d) - offset_of_pair(e, k)) / std::min(r, q));
     });
     for_each_wall_contact(e, back, [&](const WallCandidate& c, const SurfacePoint& point) {
+      if (e.particles.motion[c.particle].inv_m == 0 && !e.walls[c.wall].is_driven()) return;
       visit(c.particle, 0, c.wall, true, 1 - point.distance / e.particles.position[c.particle].r);
     });
   }

@@ -25,7 +25,7 @@ struct ContactAtWall {
   Vec3d normal, point;  // [-], [m] on the wall
   double overlap;       // [m]
   double R_eff;         // [m]
-  double inverse_mass;  // [1/kg] of the particle along the normal
+  double inverse_mass;  // [1/kg] of the particle along the normal; 0: fixed
 };
 
 /// Calls visit(ContactAtWall) for the overlapping contacts of wall w.
@@ -40,18 +40,19 @@ void for_each_contact_of_wall(const EngineType& e, std::size_t w, const Visit& v
     if (c.wall != w || c.surface >= wall.surfaces.size()) continue;
     const auto images = all.subspan(first, next - first);
     const auto& motion = e.particles.motion[c.particle];
-    if (motion.inv_m == 0) continue;
     const Vec3d centre = e.particles.position[c.particle].centre();
     if constexpr (EngineType::convex) {
       const auto& rows = e.mover.convex_rows;
       for_each_joined(
           rows, centre, wall, list, images, [&](const SolidContact& at, const auto& image) {
-            if (at.overlap > 0)
-              visit(ContactAtWall{c.particle, at.normal, list.seen(image, at.point), at.overlap,
-                                  at.R_eff,
-                                  at.gradient * at.gradient *
-                                      body_at_contact(motion, rows, c.particle)
-                                          .inverse_mass(at.point - centre, at.normal, at.couple)});
+            if (!(at.overlap > 0)) return;
+            const double inverse_mass =
+                motion.inv_m == 0 ? 0
+                                  : at.gradient * at.gradient *
+                                        body_at_contact(motion, rows, c.particle)
+                                            .inverse_mass(at.point - centre, at.normal, at.couple);
+            visit(ContactAtWall{c.particle, at.normal, list.seen(image, at.point), at.overlap,
+                                at.R_eff, inverse_mass});
           });
     } else {
       const double r = e.particles.position[c.particle].r;
@@ -72,8 +73,11 @@ LinearContact linear_at_wall(const EngineType& e, std::size_t w, const ContactAt
   std::size_t own = 0;
   if constexpr (ContactsType::several_materials) own = e.particles.material[at.particle];
   const auto& table = e.coefficients;
+  const Wall& wall = e.walls[w];
   const double inverse =
-      at.inverse_mass + inverse_mass_of(e.walls[w].drive, e.walls[w].state, at.point, at.normal);
+      at.inverse_mass == 0
+          ? inverse_mass_at_fixed(wall.drive, wall.state, at.point, at.normal, at.R_eff)
+          : at.inverse_mass + inverse_mass_of(wall.drive, wall.state, at.point, at.normal);
   Contact<double> c{};
   c.normal = at.normal, c.overlap = at.overlap, c.R_eff = at.R_eff;
   c.m_eff = 1 / inverse, c.inverse_m_eff = inverse, c.radius_i = at.R_eff, c.radius_j = 0;

@@ -31,6 +31,13 @@ inline Vec3d mean_angular_velocity(const Pose& from, const Pose& to, double time
   return axis * (angle / (sine * time_step));
 }
 
+/// Angular velocity [rad/s] of a wall's surface: of its motion over the last step, and of a belt.
+inline Vec3d spin_of_surface(const Wall& wall, double step) {
+  if (!wall.moves()) return {0, 0, 0};
+  const Vec3d of_motion = mean_angular_velocity(wall.last_pose, wall.pose, step);
+  return wall.has_belt() ? of_motion + wall.belt.rate : of_motion;
+}
+
 /// As mean_velocity() [m/s], plus the velocity of a belt.
 inline Vec3d velocity_at_contact(const Wall& wall, const Vec3d& place, const Vec3d& normal,
                                  double step) {

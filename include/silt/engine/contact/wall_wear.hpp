@@ -28,6 +28,13 @@ inline std::size_t facet_at(const Wall& wall, const TriangleMesh& mesh,
   return best;
 }
 
+/// Mass [kg] that wears a wall in contact k: that of the particle or, if it is fixed
+/// (`inverse_mass` = 0), of the contact.
+template <class Block>
+double mass_that_wears(double inverse_mass, const Block& kinematics, std::size_t k) {
+  return inverse_mass > 0 ? 1 / inverse_mass : static_cast<double>(kinematics.m_eff[k]);
+}
+
 /// Wear of mesh walls by modules in a step; empty unless a module wears walls.
 template <class Fluxes, bool Wears = Fluxes::wears>
 class WallWear {

@@ -101,7 +101,8 @@ void for_each_convex_contact(const EngineType& e, const Domain& domain, double b
     const Wall& wall = e.walls[c.wall];
     if constexpr (std::remove_cvref_t<decltype(e.lists.walls)>::repeats)
       next = end_of_images(all, first);
-    if (c.surface >= wall.surfaces.size() || e.particles.motion[c.particle].inv_m == 0) continue;
+    if (c.surface >= wall.surfaces.size()) continue;
+    if (e.particles.motion[c.particle].inv_m == 0 && !wall.is_driven()) continue;
     const Vec3d& centre = rows.centre[c.particle];
     for_each_joined(
         rows, centre, wall, e.lists.walls, all.subspan(first, next - first),

@@ -132,7 +132,9 @@ class ConvexWalls {
     for (std::size_t k = 0, next = 1; k < candidates.size(); k = next++) {
       const Candidate& c = candidates[k];
       if constexpr (Repeats) next = end_of_images(candidates, k);
-      if (in.motions[c.particle].inv_m != 0 && !Planes::takes(walls[c.wall], c))
+      // Fixed bodies touch only walls that their loads move.
+      const bool acts = in.motions[c.particle].inv_m != 0 || walls[c.wall].is_driven();
+      if (acts && !Planes::takes(walls[c.wall], c))
         touch(in, contacts, table, walls, candidates, candidates.subspan(k, next - k), s);
     }
   }
@@ -164,11 +166,14 @@ class ConvexWalls {
     if constexpr (Fluxes::wears)
       if (is_mesh(walls[c.wall].surfaces[c.surface]))
         wear_.add(b, *fluxes, c, walls[c.wall], contacts.facets(c),
-                  {place, n, force, s.rubs.velocity[k], 1 / in.motions[c.particle].inv_m,
+                  {place, n, force, s.rubs.velocity[k],
+                   mass_that_wears(in.motions[c.particle].inv_m, s.kinematics, k),
                    in.rows->pose[c.particle].least_radius, in.times.worked, s.rubs.begins[k]});
-    if (walls[c.wall].is_in_itself_moving())
+    if (walls[c.wall].is_in_itself_moving()) {
       load.power += dot(force, velocity_in_itself(walls[c.wall], c.surface, contacts.facets(c),
                                                   place, n, in.times.step));
+      if (has_area) load.power += s.gradient[k] * dot(at(s.area.moment), walls[c.wall].belt.rate);
+    }
   }
 
   static constexpr double same_contact = 0.8;  // cosine of the largest rotation in one step
@@ -284,6 +289,17 @@ class ConvexWalls {
     for (std::size_t h = 0; h < H; ++h) contacts.history(h)[slot] = 0;
   }
 
+  /// 1/m* [1/kg] of body and wall along the normal; `arm` [m] from the part's centre.
+  static double inverse_mass_with(const Wall& wall, const BodyAtContact<double>& body,
+                                  const SolidContact& contact, const Vec3d& arm,
+                                  const Vec3d& on_wall, double R_eff) {
+    const Vec3d& n = contact.normal;
+    if (body.inv_m == 0) return inverse_mass_at_fixed(wall.drive, wall.state, on_wall, n, R_eff);
+    double inverse_mass = body.inverse_mass(arm, n, contact.couple);
+    if (wall.is_driven()) inverse_mass += inverse_mass_of(wall.drive, wall.state, on_wall, n);
+    return inverse_mass;
+  }
+
   static void describe(const SolidContact& contact, const Vec3d& centre, const Input& in,
                        Contacts& contacts, const CoefficientTable<ContactsType>& table,
                        const Wall& wall, const Candidate& c, std::size_t slot, Scratch& s) {
@@ -301,9 +317,12 @@ class ConvexWalls {
       wall_velocity = mean_velocity(wall, on_wall, in.times.step);
       wall_spin = mean_angular_velocity(wall.last_pose, wall.pose, in.times.step);
     }
-    if (wall.is_in_itself_moving())
+    Vec3d surface_spin = wall_spin;  // which does not turn the normal
+    if (wall.is_in_itself_moving()) {
       wall_velocity +=
           velocity_in_itself(wall, c.surface, contacts.facets(c), on_wall, n, in.times.step);
+      if (wall.has_belt()) surface_spin += wall.belt.rate;
+    }
     const std::size_t k = s.count++;
     if constexpr (Fluxes::wears) s.rubs.put(k, c, wall, body.velocity_at(arm) - wall_velocity);
     const double g = contact.gradient;
@@ -315,16 +334,15 @@ class ConvexWalls {
     kin.overlap = contact.overlap, kin.R_eff = R_eff;
     if constexpr (keeps_offset<ContactsType>)
       kin.overlap = without_offset(kin.overlap, &contacts.history(ContactsType::offset_from)[slot]);
-    double inverse_mass = body.inverse_mass(arm, n, contact.couple);
-    if (wall.is_driven()) inverse_mass += inverse_mass_of(wall.drive, wall.state, on_wall, n);
+    const double inverse_mass = inverse_mass_with(wall, body, contact, arm, on_wall, R_eff);
     kin.inverse_m_eff = std::max(g * g * inverse_mass, 1e-300);
     kin.m_eff = 1 / kin.inverse_m_eff;
     kin.arm = 0, kin.spin = {0, 0, 0};
-    kin.twist = dot(wall_spin, n);
+    kin.twist = dot(surface_spin, n);
     s.kinematics.put(k, kin);
     if constexpr (Scratch::has_area) {
       s.area.put_spread(k, contact.spread);
-      s.area.put_spin(k, g * (body.spin - wall_spin));
+      s.area.put_spin(k, g * (body.spin - surface_spin));
     }
     s.kinematics.put(k, Radii<double>{R_eff, 0});
     std::size_t material = 0;

@@ -134,6 +134,13 @@ void NearLists<Composition, Pairs, Walls, Mover>::add_ghosts(const Scene& scene)
 template <class Composition, class Pairs, class Walls, class Mover>
 void NearLists<Composition, Pairs, Walls, Mover>::wrap(const Scene& scene) {
   auto& position = scene.particles.position;
+  if constexpr (Composition::has_ledger && !State::of_bodies && !flows)
+    for (std::size_t k = 0; k < scene.particles.owned(); ++k) {  // in order, for any team
+      const double inv_m = scene.particles.motion[k].inv_m;
+      if (inv_m == 0 || scene.particles.is_parked(k)) continue;
+      const Vec3d at = position[k].centre();
+      wrapped += (1 / inv_m) * (scene.domain.wrapped(at) - at);
+    }
   scene.team.for_ranges(scene.particles.size(), [&](std::size_t, std::size_t from, std::size_t to) {
     for (std::size_t k = from; k < to; ++k) {
       const Vec3d p = scene.domain.wrapped(position[k].centre());

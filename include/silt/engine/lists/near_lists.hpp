@@ -59,6 +59,10 @@ class NearLists {
       if (!(upkeep.used + flow.used() < 1)) return false;
     return keeps_list && upkeep.pruned_at >= 0 && upkeep.inner_holds(pruned_walls.travel(now));
   }
+  /// [kg m] For a ledger: mass times displacement of the spheres that were wrapped into a periodic
+  /// box (of bodies: BodyMotion::wrapped).
+  Vec3d wrapped{0, 0, 0};
+
   /// Forces a search in the next step.
   void forget() { upkeep.searched_at = upkeep.pruned_at = -1; }
   /// True once after every pruning: data derived from the lists must then be updated.

@@ -182,19 +182,32 @@ class Openings {
   void let_out_own(Engine& engine, Sim& sim) {
     for (std::size_t k = 0; k < sim.rows(); ++k) {
       if (!sim.is_present(k)) continue;
-      // Between searches a particle may be outside a periodic box: its image inside is tested too.
       const Vec3d p = sim.position(k);
-      Vec3d inside = p;
-      if constexpr (std::remove_cvref_t<decltype(sim.domain())>::periodic)
-        inside = sim.domain().wrapped(p);
       for (auto& o : outlets_) {
-        if (!o.region.contains(p) && !o.region.contains(inside)) continue;
+        if (!contains_image(o.region, sim.domain(), p)) continue;
         ++o.count;
         if (const double m = sim.mass(k); std::isfinite(m)) o.mass += m;
         sim.book_leaving(k);
         engine.park(k);
         break;
       }
+    }
+  }
+
+  /// Whether the region contains the point [m] or an image of it in a periodic box.
+  static bool contains_image(const Box& region, const Domain& domain, const Vec3d& p) {
+    if (region.contains(p)) return true;
+    if constexpr (Domain::periodic && !deforms<Domain>) {
+      // Between searches a particle may be outside the box.
+      if (region.contains(domain.wrapped(p))) return true;
+      const auto lowest = [&](int d, double x, double min) {  // image behind the lower face
+        const double L = domain.length(d);
+        return L > 0 && std::isfinite(min) ? x - L * std::floor((x - min) / L) : x;
+      };
+      return region.contains({lowest(0, p.x, region.min.x), lowest(1, p.y, region.min.y),
+                              lowest(2, p.z, region.min.z)});
+    } else {
+      return false;
     }
   }
 

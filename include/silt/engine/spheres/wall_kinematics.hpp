@@ -60,13 +60,15 @@ SILT_INLINE Kinematics<Scalar> kinematics_at_wall(const SurfacePoint& point, con
   return kin;
 }
 
-/// Input of rolling models; `inertia` [-] over m r^2.
+/// Input of rolling models; `inertia` [-] over m r^2, `inverse_mass` [1/kg] of the sphere or, if it
+/// is fixed, of the contact.
 template <class Scalar, class Motion>
 SILT_INLINE RollingKinematics<Scalar> rolling_at_wall(const PositionRow& sphere,
                                                       const Motion& motion,
-                                                      const WallVelocity& of_wall, double inertia) {
+                                                      const WallVelocity& of_wall, double inertia,
+                                                      double inverse_mass) {
   return {as_scalars<Scalar>(motion.spin_velocity() * motion.inv_r - of_wall.spin),
-          static_cast<Scalar>(inertia * sphere.r * sphere.r / motion.inv_m)};
+          static_cast<Scalar>(inertia * sphere.r * sphere.r / inverse_mass)};
 }
 
 }  // namespace silt::detail

@@ -140,14 +140,19 @@ class WallPipeline {
       const Vec3d& on_wall = Repeats ? s.on_wall[k] : s.point[k];
       load.torque += cross(on_wall - walls[wall].reference, force);
       if constexpr (ContactsType::has_rolling) load.torque += {-r[8], -r[9], -r[10]};
-      if (walls[wall].is_in_itself_moving()) load.power -= dot(force, s.in_itself[k]);
+      if (walls[wall].is_in_itself_moving()) {
+        load.power -= dot(force, s.in_itself[k]);
+        if constexpr (ContactsType::has_rolling)
+          load.power += dot(Vec3d{r[8], r[9], r[10]}, walls[wall].belt.rate);
+      }
       tallies_[b].largest = std::max(tallies_[b].largest, s.share[k]);
       if constexpr (Fluxes::wears)
         if (const WallCandidate* const c = s.rubs.of[k])
-          wear_.add(b, *in.fluxes, *c, walls[wall], contacts.facets(*c),
-                    {on_wall, s.kinematics.template get<Scalar>(k).normal, -force,
-                     s.rubs.velocity[k], 1 / in.motions[particle].inv_m, in.positions[particle].r,
-                     in.times.worked, s.rubs.begins[k]});
+          wear_.add(
+              b, *in.fluxes, *c, walls[wall], contacts.facets(*c),
+              {on_wall, s.kinematics.template get<Scalar>(k).normal, -force, s.rubs.velocity[k],
+               mass_that_wears(in.motions[particle].inv_m, s.kinematics, k),
+               in.positions[particle].r, in.times.worked, s.rubs.begins[k]});
     }
   }
 
@@ -322,7 +327,8 @@ class WallPipeline {
                        std::size_t slot, Contacts& contacts, const Input& in,
                        const CoefficientTable<ContactsType>& table, Scratch& s) {
     const ParticleMotion& motion = in.motions[c.particle];
-    if (motion.inv_m == 0) return;  // no force on fixed spheres
+    const bool fixed = motion.inv_m == 0;
+    if (fixed && !wall.is_driven()) return;  // nothing would move by the force
     const std::size_t k = s.count++;
     const Vec3d contact = sphere.centre() - point.distance * point.normal;
     const Vec3d change = point.normal - last_normal;
@@ -333,6 +339,7 @@ class WallPipeline {
       s.in_itself[k] = velocity_in_itself(wall, c.surface, contacts.facets(c), on_wall,
                                           point.normal, in.times.step);
       of_wall.velocity += s.in_itself[k];
+      if (wall.has_belt()) of_wall.spin += wall.belt.rate;
     }
     if constexpr (Fluxes::wears) {
       Vec3d slip = motion.velocity() - of_wall.velocity;
@@ -341,12 +348,15 @@ class WallPipeline {
       s.rubs.put(k, c, wall, slip);
     }
     double inverse_mass = motion.inv_m;  // [1/kg] of sphere plus wall
-    if (wall.is_driven())
+    if (fixed)
+      inverse_mass = inverse_mass_at_fixed(wall.drive, wall.state, on_wall, point.normal, sphere.r);
+    else if (wall.is_driven())
       inverse_mass += inverse_mass_of(wall.drive, wall.state, on_wall, point.normal);
     auto kin = kinematics_at_wall<Scalar>(point, change, sphere, motion, of_wall, inverse_mass);
     if constexpr (rotates)
       s.kinematics.put(
-          k, rolling_at_wall<Scalar>(sphere, motion, of_wall, InertiaOf<ContactsType>::rolling()));
+          k, rolling_at_wall<Scalar>(sphere, motion, of_wall, InertiaOf<ContactsType>::rolling(),
+                                     fixed ? inverse_mass : motion.inv_m));
     s.share[k] = (sphere.r - point.distance) / sphere.r;
     if constexpr (keeps_offset<ContactsType>) {
       Scalar& offset = contacts.history(ContactsType::offset_from)[slot];

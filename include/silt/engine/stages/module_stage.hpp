@@ -116,6 +116,13 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
     }
   }
 
+  /// Checks fields that no update() computes, after changes by observers or by the program.
+  template <class Engine>
+  void check_given(const Engine& e, [[maybe_unused]] std::int64_t step,
+                   [[maybe_unused]] double time) const {
+    (check_given_one<Ms>(e, step, time), ...);
+  }
+
   /// The largest acceleration [m/s2] that modules give to a particle now.
   template <class Engine>
   double largest_acceleration([[maybe_unused]] const Engine& e,
@@ -317,6 +324,26 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
                "; mend its force()"),
           when.step, {p.id}, p.position);
     }
+  }
+  template <class M, class Engine>
+  static void check_given_one([[maybe_unused]] const Engine& e, [[maybe_unused]] std::int64_t step,
+                              [[maybe_unused]] double time) {
+    if constexpr (has_fields<M> && !Updates<M> && !UpdatesByFlux<M>)
+      for (std::size_t k = 0; k < e.owners(); ++k) {
+        const auto& own = e.modules().template of<M>()[k];
+        if (all_finite<M>(own) || !e.owner(k).is_there()) continue;
+        const auto* const numbers = reinterpret_cast<const double*>(&own);
+        std::size_t n = 0;
+        while (std::isfinite(numbers[n])) ++n;
+        const Seen p = e.seen(k, time);
+        throw SimulationError(
+            text("step ", step, ", t = ", time, " s: the field '",
+                 FieldNames<M>::at(n / FieldNames<M>::components), "' of particle ", p.id, " at ",
+                 p.position, " m is ", numbers[n],
+                 ", which must be finite; an observer, or the program between two runs, has set "
+                 "it"),
+            step, {p.id}, p.position);
+      }
   }
   template <class M, class Engine>
   void stop_at_field(const Engine& e, std::int64_t step, double time, std::size_t k) const {
