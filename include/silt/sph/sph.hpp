@@ -172,18 +172,20 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   std::size_t add_outlet(const Opening& opening, const OpeningSetup& setup = {}) {
     return add_opening(opening, setup, false);
   }
-  /// Adds liquid on the lattice where inside(x) is true and no wall is nearer than half a spacing;
-  /// start(x) gives its velocity [m/s], pressure(x) its pressure [Pa]. Returns the number of
-  /// particles. Those in bodies of the Simulation are removed, and counted by displaced().
+  /// Adds liquid on the lattice where inside(x) is true and no wall is too near: half a spacing
+  /// from walls across an axis, in front of others; start(x) gives its velocity [m/s], at most c/5
+  /// and in 2D without y, pressure(x) its pressure [Pa], above -B/10 (Liquid::stiffness()). Returns
+  /// the number of particles. Those in bodies of the Simulation are removed, and counted by
+  /// displaced().
   template <class Inside, class Start, class Pressure>
   std::size_t fill(const Inside& inside, const Start& start, const Pressure& pressure) {
     const std::uint32_t before = core().next_number;
-    const double half = 0.499 * setup().spacing;
     std::unordered_set<std::uint64_t> taken;  // sites
     for (std::size_t k = 0; k < core().columns.size(); ++k)
       if (core().columns.is_liquid(k)) taken.insert(site_of(core().columns.rows[k].position()));
     detail::for_each_site(setup(), 0, [&](const Vec3d& site) {
-      if (!inside(site) || core().solids.walls.distance(site) < half || core().openings.hold(site))
+      if (!inside(site) || core().solids.walls.is_too_near(site, setup().spacing) ||
+          core().openings.hold(site))
         return;
       require(taken.count(site_of(site)) == 0, "Sph::fill: there is liquid at ", site,
               " m already; fill each place once");
@@ -208,9 +210,9 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   /// the highest point of inside(x).
   template <class Inside>
   std::size_t fill(const Inside& inside) {
+    setup().check_gravity(core().gravity);
     double top = -INFINITY;  // [m2/s2] largest of -g.x
     const Vec3d g = core().weight();
-    setup().check_gravity(core().gravity);
     const double edge = 0.5 * setup().spacing * std::sqrt(dot(g, g));
     detail::for_each_site(setup(), 0, [&](const Vec3d& x) {
       if (inside(x)) top = std::max(top, -dot(g, x) + edge);
@@ -227,10 +229,10 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   void run(double duration, const Team& team = {}) {
     require(std::isfinite(duration) && duration >= 0, "Sph::run: duration = ", duration,
             " s must be at least 0");
-    const double end = core().time + duration;
-    while (core().time < end - 1e-12 * duration) {
     require(core().next_number > 0 || openings() > 0 || duration == 0,
             "Sph::run: there is no liquid and no opening; call fill() or add_inlet() first");
+    const double end = core().time + duration;
+    while (core().time < end - 1e-12 * duration) {
       const double remains = end - core().time, longest = longest_step(team);
       step(remains < 2 * longest ? (remains <= longest ? remains : 0.5 * remains) : longest, team);
     }
@@ -242,17 +244,17 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     core().find_rates(team);
     return core().stable_step();
   }
-  void step(double dt, const Team& team = {}) {
-    require(std::isfinite(dt) && dt > 0, "Sph::step: dt = ", dt, " s must be greater than 0");
   /// One step of dt [s]. InputError for a dt beyond that of SphSetup.courant = 0.5, the largest for
   /// which the schemes were tested: the state would be destroyed.
-    core().step(dt, team);
-  }
+  void step(double dt, const Team& team = {}) {
+    require(std::isfinite(dt) && dt > 0, "Sph::step: dt = ", dt, " s must be greater than 0");
     const double usual = longest_step(team), longest = core().stable_step(SphSetup::most_courant);
     require(dt <= longest * (1 + 1e-9), "Sph::step: dt = ", dt, " s is longer than ", longest,
             " s, which a Courant number of ", SphSetup::most_courant,
             " gives in the present state; use longest_step(), now ", usual,
             " s, or run(duration), which chooses its steps");
+    core().step(dt, team);
+  }
 
   double time() const { return core().time; }            // [s]
   std::int64_t steps() const { return core().steps; }    // [-]
@@ -379,8 +381,6 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     core().renewed();
     return which;
   }
-  void check_opening(const char* call, std::size_t which) const {
-    require(which < openings(), "Sph::", call, ": there is no opening ", which, "; there are ",
   /// InputError for a velocity [m/s] or a pressure [Pa] that liquid at x cannot start with.
   void check_start(const Vec3d& x, const Vec3d& v, double p) const {
     require(is_finite(v) && std::isfinite(p), "Sph::fill: at ", x, " m velocity ", v,
@@ -402,6 +402,8 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
             " Pa (a tenth of the liquid's stiffness); use a larger Liquid.sound_speed, or a "
             "smaller suction");
   }
+  void check_opening(const char* call, std::size_t which) const {
+    require(which < openings(), "Sph::", call, ": there is no opening ", which, "; there are ",
             openings());
   }
   Core& core() { return *this; }

@@ -26,6 +26,7 @@ namespace silt::inline SILT_TARGET::detail {
 /// mirror image in the liquid (ghost). They move with their wall.
 class WallParticles {
   using Part = WallPart;
+  static constexpr double on_wall = 1e-9;  // [-] of the spacing: nearer sites are behind the wall
 
  public:
   void add(const Surfaces& surfaces, const WallSetup& setup) {
@@ -162,7 +163,20 @@ class WallParticles {
     }
     return least;
   }
-  const std::string& name(std::size_t wall) const { return walls_[wall].name; }
+  /// Whether no liquid starts at a lattice site. A wall across an axis leaves half a spacing before
+  /// the first row. At curved and oblique walls the sites in front are liquid and those behind are
+  /// wall: the lattice has no gap, and the volume is right on average. (With half a spacing there
+  /// too, the liquid in a cone 12 spacings across had 0.88 of its volume, and the pressure on its
+  /// floor was 8 % too high for its level; computed.)
+  bool is_too_near(const Vec3d& x, double spacing) const {
+    const Nearest to = nearest(x);
+    if (!(to.distance < 0.499 * spacing)) return false;
+    const Vec3d& n = to.normal;
+    const bool across = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}) > 1 - 1e-9;
+    return across || to.distance < on_wall * spacing;
+  }
+  /// "'lid'", or its number.
+  std::string called(std::size_t wall) const { return walls_[wall].called(wall); }
   /// Transforms a point from space to a wall's own coordinates, and back.
   Vec3d to_wall(std::size_t wall, const Vec3d& x) const { return walls_[wall].pose.to_body(x); }
   Vec3d to_space(std::size_t wall, const Vec3d& x) const { return walls_[wall].pose.to_space(x); }
@@ -182,7 +196,7 @@ class WallParticles {
   void make(const SphSetup& setup, const Hold& hold) {
     fresh_ = false;
     particles_.clear();
-    const double support = 2 * setup.h(), enough = 1e-9 * setup.spacing;
+    const double support = 2 * setup.h(), enough = on_wall * setup.spacing;
     const int layers = static_cast<int>(std::ceil(support / setup.spacing));
     const double thick = (layers + 0.001) * setup.spacing;
     for_each_site(setup, layers, [&](const Vec3d& x) {
