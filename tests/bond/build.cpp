@@ -72,6 +72,20 @@ TEST_CASE("bonds: an agglomerate fills its region, and all within the gap are bo
                        "agglomerate: 0 of 1 spheres fitted into the box"));
 }
 
+TEST_CASE("bonds: a packed lattice is one piece with a gap of 0.3 radii; with 0.1 it is loose") {
+  const auto pieces = [](const auto& region, double gap) {
+    return pieces_of(agglomerate(region, {.radius = R}, gap * R, grain));
+  };
+  for (const double side : {8.0, 10.0, 12.0}) {
+    const silt::Box box{{0, 0, 0}, {side * R, side * R, side * R}};
+    CHECK(pieces(box, 0.3) == 1);
+    CHECK(pieces(box, 0.1) > 40);
+  }
+  const auto ball = silt::sphere_mesh({0, 0, 0}, 6 * R, 6);
+  CHECK(pieces(silt::MeshRegion(ball), 0.3) == 1);
+  CHECK(pieces(silt::MeshRegion(ball), 0.2) == 1);  // docs/code/bonds.cpp
+}
+
 TEST_CASE("bonds: bond_near bonds each pair once, across periodic faces too, and who is chosen") {
   silt::Simulation sim{silt::Particles<silt::Sphere>{}, silt::Contacts<silt::HertzMindlin>{glass},
                        silt::PeriodicBox{{{0, 0, 0}, {10 * R, 10 * R, 10 * R}}, {true, true, true}},
@@ -141,7 +155,15 @@ TEST_CASE("bonds: lists of bonded spheres that cannot be are refused, with nothi
   CHECK(silt_test::has(silt_test::refusal([&] { silt::largest_piece(all); }), words));
   all.bonds.back() = {1, 1};
   CHECK(silt_test::has(silt_test::refusal([&] { add_bonded(sim, all); }), "the spheres 1 and 1"));
+  // The same pair twice, in whatever order: the simulation would see it after it has the spheres.
+  all.bonds.back() = {1, 0};
+  CHECK(silt_test::has(silt_test::refusal([&] { add_bonded(sim, all); }),
+                       "spheres 0 and 1 (counted from 0) are bonded twice"));
+  all.bonds.back() = {0, 2}, all.spheres[2].position = all.spheres[0].position;
+  CHECK(silt_test::has(silt_test::refusal([&] { add_bonded(sim, all); }),
+                       "spheres 0 and 2 (counted from 0) are at one place"));
   CHECK(sim.size() == 0);
+  CHECK(sim.bonds() == 0);
   CHECK(silt_test::has(
       silt_test::refusal([&] {
         placed(silt::fibre({0, 0, 0}, {4 * R, 0, 0}, 3, grain), {0, 0, 0}, {1, 1, 0, 0});
@@ -160,6 +182,8 @@ TEST_CASE("bonds: makers and bond_near refuse what cannot be, with the number") 
   refused([] { silt::sheet({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 1, 3, grain); }, "1 x 3 spheres");
   const silt::Box box{{0, 0, 0}, {9 * R, 9 * R, 9 * R}};
   refused([&] { silt::agglomerate(box, {.radius = R}, NAN, grain); }, "gap = nan [m]");
+  refused([&] { silt::agglomerate(box, {.radius = R}, -1e-4, grain); }, "gap = -1e-04 [m] must be finite and not negative");
+  refused([&] { silt::agglomerate(box, {.radius = R}, 0, grain); }, "spheres is within gap = 0 m");
   silt::Simulation sim{silt::Particles<silt::Sphere>{}, silt::Contacts<silt::HertzMindlin>{glass},
                        glue};
   silt::Particles<silt::Sphere> two;

@@ -224,6 +224,29 @@ TEST_CASE("ranks: a beam on a wall, with bonds longer than contacts; its books o
 }
 
 // A ring: bonds through the side that repeats, between the first and the last rank.
+/// All ranks ask; the one that has the bond tells it, once.
+TEST_CASE("ranks: bonds that the user breaks, of two ranks and of a wall") {
+  Seen one, many;
+  const auto run = [](auto& sim, Seen& seen) {
+    sim.run(0.002);
+    for (const silt::ParticleId a : {4, 11, 17}) sim.unbond(a + 1, a);
+    sim.unbond_from_wall(0, "root");
+    sim.run(0.002);
+    seen.add(sim);
+    CHECK(sim.bonds() == 20);
+    CHECK(sim.broken_bonds() == 4);
+    CHECK_FALSE(sim.bonded(11, 12));
+    return sim.energy().bond_breaking;
+  };
+  auto alone = beam();
+  const double wanted = run(alone, one);
+  silt::run_on_ranks(3, [&](const silt::ThreadComm& comm) {
+    auto sim = beam(ranks(comm));
+    CHECK(std::abs(run(sim, many) - wanted) < 1e-6 * wanted);
+  });
+  CHECK(many.off(one)[0] < 1e-10);
+}
+
 TEST_CASE("ranks: bonds through the side of a periodic box") {
   const silt::PeriodicBox ring{{{0, 0, 0}, {0.1, 1, 1}}, {true, false, false}};
   const auto turn = [&](Seen& seen, auto... policies) {

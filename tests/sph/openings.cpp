@@ -213,6 +213,9 @@ TEST_CASE("SPH openings: what cannot be is refused by name") {
   refused([](S, O o, P) { o.second_edge = {0, 0.1, 0}; }, "in 2D inlet 'one' lies in x and z");
   refused([](S s, O o, P) { s.dimensions = 3, s.region.max.y = 0.2, o.edge.y = 0; },
           "has an edge of 0 m");
+  refused([](S, O o, P) { o.corner.y = 0.3; },
+          "has its corner at (0, 0.3, 0.05) m, but in 2D the liquid lies in the plane y = 0 m");
+  refused([](S, O, P p) { p.velocity = {1, 0.5, 0}; }, "with a part along y");
   refused([](S s, O, P) { s.periodic[0] = true; }, "faces x, in which the region is periodic");
   refused([](S, O, P p) { p.velocity = {-1, 0, 0}; }, "points out of the liquid");
   refused([](S, O, P p) { p.velocity = {1, 0, 0}; }, "points into the liquid", false);
@@ -230,6 +233,7 @@ TEST_CASE("SPH openings: what cannot be is refused by name") {
       },
       "out of the liquid; an inlet's", true, true);
   refused([&](S, O, P p) { p.velocity = turns({3, 0, 0}); }, "faster than a tenth", true, true);
+  refused([&](S, O, P p) { p.velocity = turns({1, 0.5, 0}); }, "with a part along y", true, true);
   refused([&](S, O, P p) { p.velocity = turns({none, 0, 0}); }, "it must be finite", true, true);
   refused([](S, O, P p) { p.pressure = [](const Vec3d&, double) { return -1e6; }; },
           "it must be finite, and above", true, true);

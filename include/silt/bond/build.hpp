@@ -110,12 +110,13 @@ std::vector<IndexPair> overlapping(const AlignedVector<PositionRow>& spheres,
 
 /// Agglomerate: spheres packed into a region (a Box, a CylinderRegion, a closed TriangleMesh by
 /// MeshRegion; silt/fill/packing.hpp). Each is bonded to all others within a surface distance of
-/// `gap` [m]. `like` gives all properties except radii. InputError if no sphere fits, or `gap` is
-/// NaN.
+/// `gap` [m]. `like` gives all properties except radii. InputError if no sphere fits, `gap` is
+/// negative or NaN, or none of several spheres gets a bond. Neighbours of a packed lattice are 0.03
+/// to 0.1 radii apart: with a gap of 0.3 radii it is one piece (pieces_of).
 template <Region R>
 BondedSpheres agglomerate(const R& region, const FillRequest& request, double gap,
                           const BondedGrain& like) {
-  require(std::isfinite(gap), "agglomerate: gap = ", gap, " [m] must be finite");
+  require_not_negative("agglomerate: gap", gap, "m");
   const FillResult packed = pack(region, request);
   require(!packed.spheres.empty(), "agglomerate: ", packed.why_not_more);
   BondedSpheres all;
@@ -126,6 +127,9 @@ BondedSpheres agglomerate(const R& region, const FillRequest& request, double ga
   }
   for (const auto [a, b] : detail::overlapping(grown, OpenDomain{}))
     all.bonds.push_back(std::minmax<std::size_t>(a, b));
+  require(!all.bonds.empty() || all.spheres.size() == 1, "agglomerate: none of ",
+          all.spheres.size(), " spheres is within gap = ", gap,
+          " m of another, and nothing is bonded; give a larger gap, 0.3 radii for a lattice");
   std::sort(all.bonds.begin(), all.bonds.end());
   return all;
 }
@@ -154,6 +158,25 @@ inline void check_bonds(const BondedSpheres& all) {
             " is between the spheres ", a, " and ", b, " (counted from 0), but there are ",
             all.spheres.size(), "; give two places of its list of spheres");
   }
+}
+/// InputError for two bonds of the same spheres, or spheres at one place: what a simulation would
+/// refuse after it has got the spheres.
+template <class Sim>
+void check_new_bonds(const Sim& sim, const BondedSpheres& all) {
+  check_bonds(all);
+  std::vector<std::pair<std::size_t, std::size_t>> seen;
+  for (const auto& [a, b] : all.bonds) {
+    Vec3d d = all.spheres[a].position - all.spheres[b].position;
+    if constexpr (Sim::Domain::periodic) d = sim.domain().shortest(d);
+    require(norm(d) > 0, "BondedSpheres: spheres ", a, " and ", b,
+            " (counted from 0) are at one place and cannot be bonded");
+    seen.push_back(std::minmax(a, b));
+  }
+  std::sort(seen.begin(), seen.end());
+  const auto twice = std::adjacent_find(seen.begin(), seen.end());
+  if (twice != seen.end())
+    throw InputError(text("BondedSpheres: spheres ", twice->first, " and ", twice->second,
+                          " (counted from 0) are bonded twice; leave out one of the bonds"));
 }
 }  // namespace detail
 
@@ -194,10 +217,11 @@ inline BondedSpheres placed(BondedSpheres all, const Vec3d& shift, const Quatern
 }
 
 /// Adds spheres with their bonds, except bonds of two fixed spheres. Returns the id of the first;
-/// those of the others follow. InputError for a bond of a sphere that does not exist.
+/// those of the others follow. InputError, with nothing added, for a bond of a sphere that does not
+/// exist, a pair that is bonded twice, or two bonded spheres at one place.
 template <class Sim>
 ParticleId add_bonded(Sim& sim, const BondedSpheres& all) {
-  detail::check_bonds(all);
+  detail::check_new_bonds(sim, all);
   Particles<Sphere> more;
   for (const auto& p : all.spheres) more.add(p);
   const ParticleId first = sim.coming_id();

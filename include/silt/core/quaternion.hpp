@@ -1,6 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <cmath>
+
+#include <silt/core/error.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/core/vec3.hpp>
 
@@ -29,8 +32,23 @@ SILT_INLINE BasicQuaternion<Real> conjugate(const BasicQuaternion<Real>& q) {
   return {q.w, -q.x, -q.y, -q.z};
 }
 
-/// The rotation by `angle` [rad] about the unit vector `axis`.
-inline Quaternion rotation_about(const Vec3d& axis, double angle) {
+namespace detail {
+/// The same direction with length 1.
+[[gnu::cold]] inline Vec3d unit_axis(const Vec3d& axis, double angle) {
+  const double length = norm(axis);
+  require(std::isfinite(length) && length > 0 && std::isfinite(angle),
+          "rotation_about: axis = ", axis, " [-] and angle = ", angle,
+          " [rad] must be finite, and the axis not zero");
+  return axis * (1 / length);
+}
+}  // namespace detail
+
+/// The rotation by `angle` [rad] about `axis` (any length), by the right-hand rule. InputError for
+/// an axis of length 0, or a value that is not finite.
+inline Quaternion rotation_about(Vec3d axis, double angle) {
+  // An axis of length 1 to rounding stays as it is: runs keep their last bits.
+  if (!(std::abs(dot(axis, axis) - 1) < 1e-12 && std::isfinite(angle)))
+    axis = detail::unit_axis(axis, angle);
   const double s = std::sin(0.5 * angle);
   return {std::cos(0.5 * angle), s * axis.x, s * axis.y, s * axis.z};
 }

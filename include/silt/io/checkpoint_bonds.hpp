@@ -30,6 +30,7 @@ struct BondsState<Stage> {
   std::vector<Numbers> numbers;
   std::vector<std::uint64_t> wall_ids, wall_number;  // particle and wall; one per bond
   std::vector<std::uint64_t> wall_excludes, freed;   // 0 or 1 per bond; particle and wall
+  std::vector<std::uint64_t> asked;                  // two per bond that is to break (unbond)
   std::vector<Vec3d> wall_place;
   std::vector<BondRest<double>> wall_rest;
   std::vector<Numbers> wall_numbers;
@@ -47,6 +48,7 @@ struct BondsState<Stage> {
       s.wall_place.push_back(b.place), s.wall_rest.push_back(b.rest);
       s.wall_numbers.push_back(b.numbers), s.wall_excludes.push_back(b.excludes);
     }
+    for (const auto& [a, b] : stage.asked) s.asked.insert(s.asked.end(), {a, b});
     for (const auto& [id, wall] : held.freed_at_walls) s.freed.insert(s.freed.end(), {id, wall});
     return s;
   }
@@ -67,6 +69,9 @@ struct BondsState<Stage> {
     a.rows("bonds.wall_numbers", wall_numbers, at_walls);
     a.column("bonds.wall_excludes", wall_excludes, at_walls);
     a.column("bonds.freed_at_walls", freed, count(freed));
+    bool any_asked = !asked.empty();
+    if constexpr (Archive::loads) any_asked = a.has("bonds.asked");
+    if (any_asked) a.column("bonds.asked", asked, count(asked));
   }
   /// Refuses impossible values; `p`: particles of the file, `surfaces`: number for each wall.
   template <class State>
@@ -104,6 +109,7 @@ struct BondsState<Stage> {
       check_one(a, "bonds.wall", k, wall_rest[k], wall_number[k]);
     }
     check_finite_rows(a, "bonds.wall_numbers", wall_numbers);
+    a.need(asked.size() % 2 == 0, "bonds.asked are not pairs");
     a.need(freed.size() % 2 == 0, "bonds.freed_at_walls are not pairs");
     for (std::size_t k = 0; k + 1 < freed.size(); k += 2)
       a.need(is_there(freed[k]) && freed[k + 1] < surfaces.size(), "bonds.freed_at_walls[", k,
@@ -125,6 +131,8 @@ struct BondsState<Stage> {
     }
     for (std::size_t k = 0; k < freed.size(); k += 2)
       p.bonds.freed_at_walls.push_back({freed[k], freed[k + 1]});
+    for (std::size_t k = 0; k < asked.size(); k += 2)
+      stage.asked.push_back({asked[k], asked[k + 1]});
     stage.made = made, stage.broken = broken;
   }
 

@@ -231,6 +231,7 @@ class Checkpoint<Sim>::Merged {
       bonds_.wall_numbers.push_back(from.wall_numbers[k]);
       bonds_.wall_excludes.push_back(from.wall_excludes[k]);
     }
+    if (bonds_.asked.empty()) bonds_.asked = from.asked;  // all ranks have the same
     for (std::size_t k = 0; k + 1 < from.freed.size(); k += 2)
       if (taken.count(from.freed[k]) > 0)
         bonds_.freed.insert(bonds_.freed.end(), {from.freed[k], from.freed[k + 1]});

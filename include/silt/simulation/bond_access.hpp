@@ -125,6 +125,25 @@ class BondAccess {
     if (contact == WallContact::Excluded) e.lists.forget();
     sim().scene_changed_ = true;
   }
+  /// Breaks the bond of two particles in the next step, as if it were overloaded: it is counted,
+  /// reported and booked, and the two touch from then on. In observers and between runs. InputError
+  /// if they are not bonded. With several ranks it is collective.
+  template <class S = Sim>
+  void unbond(ParticleId a, ParticleId b) requires(S::has_bonds) {
+    require(bonded(a, b), "Simulation::unbond: particles ", a, " and ", b, " are not bonded");
+    sim().bonds_.asked.push_back(std::minmax(a, b));
+  }
+  /// The same for all bonds of a particle to a wall, given by number or name.
+  template <class S = Sim>
+  void unbond_from_wall(ParticleId id, const WhichWall& which) requires(S::has_bonds) {
+    const std::size_t w = sim().wall_number(which);
+    const auto& all = sim().bonds_.at_walls.all;
+    const bool here = std::any_of(all.begin(), all.end(),
+                                  [&](const auto& b) { return b.i == id && b.wall == w; });
+    require(sim().largest_over_ranks(here ? 1 : 0) > 0, "Simulation::unbond_from_wall: particle ",
+            id, " has no bond to ", sim().wall_name(w));
+    sim().bonds_.asked.push_back({id, sim().engine_.particles.bonds.id_of_wall(w)});
+  }
   /// Whether these two are bonded.
   template <class S = Sim>
   bool bonded(ParticleId a, ParticleId b) const requires(S::has_bonds) {
@@ -174,6 +193,14 @@ class BondAccess {
   }
   template <class S = Sim, class... Any>
   void bond_to_wall(const Any&...) requires(!S::has_bonds) {
+    needs_policy<S>();
+  }
+  template <class S = Sim, class... Any>
+  void unbond(const Any&...) requires(!S::has_bonds) {
+    needs_policy<S>();
+  }
+  template <class S = Sim, class... Any>
+  void unbond_from_wall(const Any&...) requires(!S::has_bonds) {
     needs_policy<S>();
   }
   template <class F, class S = Sim>

@@ -148,6 +148,8 @@ double Simulation<Policies...>::chosen_time_step() const {
       !all_fixed,
       "the time step cannot be chosen: all particles are fixed, so that none has a contact that "
       "it must resolve; add one that is free, or set Simulation::time_step [s]");
+  if (!(speed > 0) && std::isfinite(this->longest_bond_step()))
+    return step_for(0, INFINITY);  // bonds alone set it, such as of a net that a force loads
   require(speed > 0,
           "the time step cannot be chosen: nothing moves and there is no gravity; set "
           "sim.gravity = {0, 0, -9.81} [m/s2] or a velocity, or where nothing is to move "

@@ -237,11 +237,12 @@ struct SphCore {
       });
     }
   }
-  double stable_step() const {
+  double stable_step() const { return stable_step(setup.courant); }
+  double stable_step(double courant) const {
     const double h = setup.h();
     double dt = h / (liquid.sound_speed + most.pair);
     if (most.acceleration > 0) dt = std::min(dt, std::sqrt(h / most.acceleration));
-    return std::min(setup.courant * dt, viscosity.longest_step(h));
+    return std::min(courant * dt, viscosity.longest_step(h));
   }
 
   /// Computes the rates at the present positions, unless they are known.
@@ -348,6 +349,7 @@ struct SphCore {
 
   /// One step, by the policy of time integration.
   void step(double dt, const Team& team) {
+    setup.check_gravity(gravity);  // it may have been changed, or come from a Simulation
     find_rates(team);
     if (steps == 0) sph_check_sound(*this);
     sph_begin_book(*this);

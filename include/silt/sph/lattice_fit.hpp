@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <limits>
 #include <span>
-#include <string>
 #include <vector>
 
 #include <silt/core/error.hpp>
@@ -24,7 +23,7 @@ inline void refuse_misfit(const WallParticles& walls, std::span<const Vec3d> liq
   constexpr double most = 0.1;  // [-]
   const double s = setup.spacing;
   struct Side {
-    std::string name;
+    std::size_t wall;
     double off = 0, at = 0;  // [m] deviation of the first row from half a spacing, and position of
                              // the wall
   };
@@ -33,7 +32,7 @@ inline void refuse_misfit(const WallParticles& walls, std::span<const Vec3d> liq
     const auto along = [axis](const Vec3d& x) { return axis == 0 ? x.x : axis == 1 ? x.y : x.z; };
     std::vector<Side> sides;
     double rows = 1;
-    walls.for_each_plane([&](const std::string& name, const Vec3d& point, const Vec3d& normal) {
+    walls.for_each_plane([&](std::size_t wall, const Vec3d& point, const Vec3d& normal) {
       const double sign = along(normal);
       if (std::abs(sign) < 1 - 1e-9) return;
       const auto distance = [&](const Vec3d& x) { return (along(x) - along(point)) / sign; };
@@ -47,7 +46,7 @@ inline void refuse_misfit(const WallParticles& walls, std::span<const Vec3d> liq
       if (nearest < 0 || nearest > 1.5 * s ||
           2 * static_cast<double>(first) * layers < static_cast<double>(liquid.size()))
         return;
-      sides.push_back({name, nearest - 0.5 * s, along(point)}), rows = std::max(rows, layers);
+      sides.push_back({wall, nearest - 0.5 * s, along(point)}), rows = std::max(rows, layers);
     });
     double off = 0;
     const Side* worst = nullptr;
@@ -56,13 +55,13 @@ inline void refuse_misfit(const WallParticles& walls, std::span<const Vec3d> liq
       if (worst == nullptr || std::abs(side.off) > std::abs(worst->off)) worst = &side;
     }
     if (worst == nullptr || std::abs(off) <= most * (rows * s + off)) continue;
-    throw InputError(
-        text("Sph: the first row of the liquid is ", (worst->off + 0.5 * s) / s,
-             " spacings from wall ", in_quotes(worst->name), " at ", "xyz"[axis], " = ", worst->at,
-             " m, not half a spacing; its ", rows, " rows along ", "xyz"[axis], " leave ",
-             100 * std::abs(off) / (rows * s + off), off > 0 ? " % empty" : " % too few room",
-             "; put SphSetup.region.min a whole number of spacings from the wall, and use a "
-             "spacing that divides the distance of walls that face each other"));
+    throw InputError(text(
+        "Sph: the first row of the liquid is ", (worst->off + 0.5 * s) / s, " spacings from wall ",
+        walls.called(worst->wall), " at ", "xyz"[axis], " = ", worst->at,
+        " m, not half a spacing; its ", rows, " rows along ", "xyz"[axis], " leave ",
+        100 * std::abs(off) / (rows * s + off), off > 0 ? " % empty" : " % too few room",
+        "; put SphSetup.region.min a whole number of spacings from the wall, and use a "
+        "spacing that divides the distance of walls that face each other"));
   }
 }
 

@@ -23,8 +23,8 @@ std::string sph_what_is_wrong(const Core& core, const SphRow& r) {
                     is = text(" density ", r.density, " kg/m3 and velocity ", r.velocity(), " m/s");
   if (is_finite(x) && core.solids.walls.walls() > 0)
     if (const auto wall = core.solids.walls.nearest(x); wall.distance < -0.1 * core.setup.spacing)
-      return text(what, " has gone through wall ", in_quotes(core.solids.walls.name(wall.wall)),
-                  " by ", -wall.distance, " m, with", is,
+      return text(what, " has gone through wall ", core.solids.walls.called(wall.wall), " by ",
+                  -wall.distance, " m, with", is,
                   "; use a smaller spacing, a larger alpha of the viscosity (0.1), or a slower "
                   "wall");
   if (is_finite(x))

@@ -19,6 +19,7 @@ struct SphOpening {
   Opening opening;
   OpeningSetup setup;
   bool inlet = false;
+  bool plane = false;  // of a liquid in 2D
   Vec3d middle{0, 0, 0}, normal{0, 0, 0};
   std::array<Vec3d, 2> along{};        // [-]
   std::array<double, 2> length{};      // [m]
@@ -53,10 +54,15 @@ struct SphOpening {
   void lay_out(const SphSetup& sph) {
     Opening& o = opening;
     const std::string name = called();
-    if (sph.dimensions == 2) {
+    plane = sph.dimensions == 2;
+    if (plane) {
       require(o.edge.y == 0 && o.into.y == 0 && norm(o.second_edge) == 0, "Sph: in 2D ", name,
               " lies in x and z and has one edge; its edge is ", o.edge, " m, its second edge ",
               o.second_edge, " m, into ", o.into);
+      require(!(std::abs(o.corner.y - sph.region.min.y) > 1e-6 * sph.spacing), "Sph: ", name,
+              " has its corner at ", o.corner,
+              " m, but in 2D the liquid lies in the plane y = ", sph.region.min.y,
+              " m; give the corner that y");
       o.corner.y = sph.region.min.y, o.second_edge = {0, sph.spacing, 0};
     }
     for (const Vec3d& x : {o.corner, o.edge, o.second_edge, o.into})
@@ -153,6 +159,10 @@ struct SphOpening {
             " has a velocity of ", v, " m/s at ", at, " m, t = ", time,
             " s, faster than a tenth of Liquid.sound_speed = ", liquid.sound_speed,
             " m/s; use a larger sound_speed");
+    require(!plane || std::abs(v.y) <= 1e-9 * norm(v), "Sph: ", called(), " has a velocity of ", v,
+            " m/s at ", at, " m, t = ", time,
+            " s, with a part along y, but in 2D the liquid lies in x and z; give a velocity with y "
+            "= 0");
   }
 };
 

@@ -50,6 +50,7 @@ enum class Slip { None, Free };
 
 /// Resolution and region.
 struct SphSetup {
+  static constexpr double most_courant = 0.5;
   double spacing = 0;      // [m] initial distance of particles
   Box region;              // [m] what leaves it is removed and counted; in 2D min.y = max.y
   double smoothing = 1.2;  // [-] h = smoothing sqrt(D) spacing; in 2D avoid 0.9 to 1 (docs/sph.md)
@@ -65,6 +66,16 @@ struct SphSetup {
   double volume() const {
     return dimensions == 2 ? spacing * spacing : spacing * spacing * spacing;
   }  // [m3], or [m2] in 2D
+  /// Whether a velocity or an acceleration lies in the plane of a liquid in 2D.
+  bool lies_in_plane(const Vec3d& v) const {
+    return dimensions == 3 || std::abs(v.y) <= 1e-9 * norm(v);  // rounding of rotated vectors
+  }
+  void check_gravity(const Vec3d& of) const {
+    require(is_finite(of), "SphSetup.gravity = ", of, " [m/s2] must be finite");
+    require(lies_in_plane(of), "Sph: gravity = ", of,
+            " [m/s2] has a part along y, but in 2D the liquid lies in x and z; turn the scene so "
+            "that gravity has no y, or use three dimensions");
+  }
   void check() const {
     require_positive("SphSetup.spacing", spacing, "m");
     const Vec3d e = region.extent();
@@ -78,11 +89,11 @@ struct SphSetup {
             "bodies must lie too");
     require(smoothing >= 0.7 && smoothing <= 2, "SphSetup.smoothing = ", smoothing,
             " must be in [0.7, 2]; 0.8 to 1.2 are usual");
-    require(courant > 0 && courant <= 0.5, "SphSetup.courant = ", courant,
-            " must be in (0, 0.5]; 0.2 is usual");
+    require(courant > 0 && courant <= most_courant, "SphSetup.courant = ", courant,
+            " must be in (0, ", most_courant, "]; 0.2 is usual");
     require(scatter >= 0 && scatter <= 0.3, "SphSetup.scatter = ", scatter,
             " must be in [0, 0.3] of the spacing; 0.2 breaks a lattice up");
-    require(is_finite(gravity), "SphSetup.gravity = ", gravity, " [m/s2] must be finite");
+    check_gravity(gravity);
     const double length[3] = {e.x, e.y, e.z};
     for (std::size_t d = 0; d < 3; ++d) {
       if (!periodic[d]) continue;

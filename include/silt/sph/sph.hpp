@@ -113,10 +113,12 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   void advance(const CoupledParticles& of, double dt, std::span<Vec3d> force, const Team& team,
                std::span<Vec3d> torque) {
     if (const auto [longest, w] = core().longest_hold(); dt > 2 * longest)
-      throw Error(text("wall ", w, " ", in_quotes(core().solids.walls.wall(w).name),
-                       " is too light compared with the liquid for steps of ", dt,
-                       " s; set Simulation::time_step to less than ", longest,
-                       " s, or give the wall a larger mass or inertia"));
+      throw Error(
+          text("wall ", w,
+               core().solids.walls.wall(w).name.empty() ? "" : " " + core().solids.walls.called(w),
+               " is too light compared with the liquid for steps of ", dt,
+               " s; set Simulation::time_step to less than ", longest,
+               " s, or give the wall a larger mass or inertia"));
     core().take_particles(of);
     std::fill(force.begin(), force.end(), Vec3d{0, 0, 0});
     std::fill(torque.begin(), torque.end(), Vec3d{0, 0, 0});
@@ -170,18 +172,20 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   std::size_t add_outlet(const Opening& opening, const OpeningSetup& setup = {}) {
     return add_opening(opening, setup, false);
   }
-  /// Adds liquid on the lattice where inside(x) is true and no wall is nearer than half a spacing;
-  /// start(x) gives its velocity [m/s], pressure(x) its pressure [Pa]. Returns the number of
-  /// particles. Those in bodies of the Simulation are removed, and counted by displaced().
+  /// Adds liquid on the lattice where inside(x) is true and no wall is too near: half a spacing
+  /// from walls across an axis, in front of others; start(x) gives its velocity [m/s], at most c/5
+  /// and in 2D without y, pressure(x) its pressure [Pa], above -B/10 (Liquid::stiffness()). Returns
+  /// the number of particles. Those in bodies of the Simulation are removed, and counted by
+  /// displaced().
   template <class Inside, class Start, class Pressure>
   std::size_t fill(const Inside& inside, const Start& start, const Pressure& pressure) {
     const std::uint32_t before = core().next_number;
-    const double half = 0.499 * setup().spacing;
     std::unordered_set<std::uint64_t> taken;  // sites
     for (std::size_t k = 0; k < core().columns.size(); ++k)
       if (core().columns.is_liquid(k)) taken.insert(site_of(core().columns.rows[k].position()));
     detail::for_each_site(setup(), 0, [&](const Vec3d& site) {
-      if (!inside(site) || core().solids.walls.distance(site) < half || core().openings.hold(site))
+      if (!inside(site) || core().solids.walls.is_too_near(site, setup().spacing) ||
+          core().openings.hold(site))
         return;
       require(taken.count(site_of(site)) == 0, "Sph::fill: there is liquid at ", site,
               " m already; fill each place once");
@@ -189,14 +193,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
       const Vec3d x = scattered(site);
       const Vec3d v = start(x);
       const double p = pressure(x);
-      require(is_finite(v) && std::isfinite(p), "Sph::fill: at ", x, " m velocity ", v,
-              " m/s and pressure ", p, " Pa must be finite");
-      const double rise = p / (liquid().density * liquid().sound_speed * liquid().sound_speed);
-      require(rise < 0.05, "Sph::fill: at ", x, " m the pressure of ", p,
-              " Pa raises the density by about ", 100 * rise,
-              " %, as Liquid.sound_speed = ", liquid().sound_speed,
-              " m/s is too low for it; use at least ", 10 * std::sqrt(2 * p / liquid().density),
-              " m/s, ten times the speed that such a pressure gives");
+      check_start(x, v, p);
       r.place(x), r.move(v), r.density = liquid().density_at(p);
       core().columns.add(r, Core::Lists::Liquid, core().next_number++);
       detail::sph_comes(core(), core().columns.size() - 1);
@@ -213,6 +210,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   /// the highest point of inside(x).
   template <class Inside>
   std::size_t fill(const Inside& inside) {
+    setup().check_gravity(core().gravity);
     double top = -INFINITY;  // [m2/s2] largest of -g.x
     const Vec3d g = core().weight();
     const double edge = 0.5 * setup().spacing * std::sqrt(dot(g, g));
@@ -231,6 +229,8 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   void run(double duration, const Team& team = {}) {
     require(std::isfinite(duration) && duration >= 0, "Sph::run: duration = ", duration,
             " s must be at least 0");
+    require(core().next_number > 0 || openings() > 0 || duration == 0,
+            "Sph::run: there is no liquid and no opening; call fill() or add_inlet() first");
     const double end = core().time + duration;
     while (core().time < end - 1e-12 * duration) {
       const double remains = end - core().time, longest = longest_step(team);
@@ -244,8 +244,15 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     core().find_rates(team);
     return core().stable_step();
   }
+  /// One step of dt [s]. InputError for a dt beyond that of SphSetup.courant = 0.5, the largest for
+  /// which the schemes were tested: the state would be destroyed.
   void step(double dt, const Team& team = {}) {
     require(std::isfinite(dt) && dt > 0, "Sph::step: dt = ", dt, " s must be greater than 0");
+    const double usual = longest_step(team), longest = core().stable_step(SphSetup::most_courant);
+    require(dt <= longest * (1 + 1e-9), "Sph::step: dt = ", dt, " s is longer than ", longest,
+            " s, which a Courant number of ", SphSetup::most_courant,
+            " gives in the present state; use longest_step(), now ", usual,
+            " s, or run(duration), which chooses its steps");
     core().step(dt, team);
   }
 
@@ -373,6 +380,27 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
                             liquid(), core().lists.repeats);
     core().renewed();
     return which;
+  }
+  /// InputError for a velocity [m/s] or a pressure [Pa] that liquid at x cannot start with.
+  void check_start(const Vec3d& x, const Vec3d& v, double p) const {
+    require(is_finite(v) && std::isfinite(p), "Sph::fill: at ", x, " m velocity ", v,
+            " m/s and pressure ", p, " Pa must be finite");
+    require(setup().lies_in_plane(v), "Sph::fill: at ", x, " m velocity ", v,
+            " m/s has a part along y, but in 2D the liquid lies in x and z; give a velocity with "
+            "y = 0");
+    const double c = liquid().sound_speed, speed = norm(v);
+    require(speed <= 0.2 * c, "Sph::fill: at ", x, " m velocity ", v, " m/s is ", speed / c,
+            " of Liquid.sound_speed = ", c, " m/s; the liquid would be compressed by ",
+            100 * speed * speed / (c * c), " %; use ten times that speed, ", 10 * speed, " m/s");
+    const double rise = p / (liquid().density * c * c);
+    require(rise < 0.05, "Sph::fill: at ", x, " m the pressure of ", p,
+            " Pa raises the density by about ", 100 * rise, " %, as Liquid.sound_speed = ", c,
+            " m/s is too low for it; use at least ", 10 * std::sqrt(2 * p / liquid().density),
+            " m/s, ten times the speed that such a pressure gives");
+    require(p > -0.1 * liquid().stiffness(), "Sph::fill: at ", x, " m the pressure of ", p,
+            " Pa must be above ", -0.1 * liquid().stiffness(),
+            " Pa (a tenth of the liquid's stiffness); use a larger Liquid.sound_speed, or a "
+            "smaller suction");
   }
   void check_opening(const char* call, std::size_t which) const {
     require(which < openings(), "Sph::", call, ": there is no opening ", which, "; there are ",

@@ -14,7 +14,8 @@
 namespace silt::inline SILT_TARGET::detail {
 
 /// At the first step: checks that the sound speed suits a fall through the height of the liquid and
-/// the present motion of walls. The later flow is not known here.
+/// the present motion of walls, which in 2D stay in the liquid's plane. The later flow is not known
+/// here.
 template <class Core>
 void sph_check_sound(const Core& core) {
   constexpr double least = 5;  // [-]; 10 are advised
@@ -39,10 +40,19 @@ void sph_check_sound(const Core& core) {
     if (height[d] > 0)
       check(std::sqrt(2 * std::abs(g[d]) * height[d]), "a fall through the liquid's height of ",
             height[d], " m");
+  const auto& walls = core.solids.walls;
   double fastest = 0;
-  for (std::size_t k = 0; k < core.solids.walls.size(); ++k)
-    fastest = std::max(fastest, norm(core.solids.velocity(k)));
-  if (fastest > 0) check(fastest, "a wall");
+  std::size_t of_wall = 0;
+  for (std::size_t k = 0; k < walls.size(); ++k) {
+    if (const double speed = norm(core.solids.velocity(k)); speed > fastest)
+      fastest = speed, of_wall = walls.wall_of(k);
+    const Vec3d v = walls.velocity(k);
+    require(core.setup.dimensions == 3 || std::abs(v.y) <= 1e-6 * norm(v) + 1e-9 * c, "Sph: wall ",
+            walls.called(walls.wall_of(k)), " has a velocity of ", v,
+            " m/s, with a part along y, but in 2D the liquid lies in x and z; move the wall in x "
+            "and z, and turn it about y");
+  }
+  if (fastest > 0) check(fastest, "wall ", walls.called(of_wall));
 }
 
 }  // namespace silt::detail

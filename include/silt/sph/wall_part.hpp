@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <string>
@@ -34,20 +35,35 @@ struct WallPart {
   template <class S>
   static constexpr bool is_mesh = std::is_same_v<std::remove_cvref_t<S>, TriangleMesh>;
   /// Only closed meshes have an inside.
-  void check() const {
+  void check(std::size_t number) const {
     for (const Surface& one : surfaces)
       visit_surface(one, [&](const auto& s) {
         if constexpr (is_mesh<decltype(s)>)
-          require(s.is_closed(), "Sph: the mesh of wall ", in_quotes(name),
+          require(s.is_closed(), "Sph: the mesh of wall ", called(number),
                   " is not closed and has no inside; close it, or use planes, "
                   "cylinders and cones");
       });
   }
+  /// "'lid'", or its number.
+  std::string called(std::size_t number) const {
+    return name.empty() ? text(number) : in_quotes(name);
+  }
+  /// A pose that is no rotation would stretch the wall.
+  Pose checked(const Pose& at_time, double t, std::size_t number) const {
+    const Quaternion& q = at_time.rotation;
+    const double length2 = q.w * q.w + dot(q.vector(), q.vector());
+    require(is_finite(at_time.translation) && std::abs(length2 - 1) <= 1e-6,
+            "Sph: the motion of wall ", called(number), " gives at t = ", t, " s the translation ",
+            at_time.translation, " m and a quaternion of length ", std::sqrt(length2),
+            "; it must be finite, and the quaternion of length 1: mend the function that was given "
+            "to add_wall (silt::rotation_about(axis, angle) returns a unit quaternion)");
+    return at_time;
+  }
   /// Moves to `time` [s]; velocities are the means since `before` [s].
-  void move_to(double time, double before) {
+  void move_to(double time, double before, std::size_t number) {
     if (!moves()) return;
-    const auto at = [this](double t) {
-      if (of == nullptr) return motion(t);
+    const auto at = [&](double t) {
+      if (of == nullptr) return checked(motion(t), t, number);
       return of->is_driven() ? driven.at(t) : of->pose_at(t);
     };
     const double from = std::max(time - before, 0.0);  // motions need not be defined before 0

@@ -39,6 +39,9 @@ class BondStage {
   bool fresh = false;  // several ranks: some new bonds end at particles that are not ghosts yet
   List list;
   AtWalls at_walls;
+  /// Ends of bonds that the user breaks, lower id first, or particle and id_of_wall(): they break
+  /// in the next step, as overloaded ones do.
+  std::vector<std::pair<ParticleId, ParticleId>> asked;
 
   void add(Bond bond) { bond.number = made++, list.add(bond); }
   void add(typename AtWalls::Bond bond) { bond.number = made++, at_walls.all.push_back(bond); }
@@ -85,6 +88,7 @@ class BondStage {
     power += at_walls.push(e, domain, model, dt, ago, [&](const BondSeen& what, std::size_t k) {
       overloaded_.push_back({what, k});
     });
+    if (!asked.empty()) break_asked(e, domain, dt);
     return power;
   }
   /// Removes the bonds of particles that leave before the next force computation. `rows`: rows of
@@ -210,6 +214,28 @@ class BondStage {
   };
 
  private:
+  template <class Engine>
+  [[gnu::cold]] void break_asked(const Engine& e, const Domain& domain, double dt) {
+    std::sort(asked.begin(), asked.end());
+    const std::size_t before = overloaded_.size();
+    const auto breaks = [&](ParticleId a, ParticleId b, std::uint64_t number) {
+      return std::binary_search(asked.begin(), asked.end(), std::pair{a, b}) &&
+             std::none_of(overloaded_.begin(),
+                          overloaded_.begin() + static_cast<std::ptrdiff_t>(before),
+                          [&](const Ending& one) { return one.what.number == number; });
+    };
+    list.for_each([&](std::size_t k) {
+      const Bond b = list.bond(k);
+      if (breaks(b.i, b.j, b.number) && tells(e, k))
+        overloaded_.push_back({seen(e, domain, k, dt), k});
+    });
+    for (std::size_t k = 0; k < at_walls.all.size(); ++k) {
+      const auto& b = at_walls.all[k];
+      if (breaks(b.i, e.particles.bonds.id_of_wall(b.wall), b.number))
+        overloaded_.push_back({at_walls.seen(e, domain, model, k, dt), k});
+    }
+    asked.clear();
+  }
   /// Whether this rank reports bond k: with several ranks the owner of its first end does.
   template <class Engine>
   bool tells([[maybe_unused]] const Engine& e, [[maybe_unused]] std::size_t k) const {
