@@ -287,7 +287,7 @@ double Simulation<Policies...>::gather_for_fluid() {
   p.place.clear();
   for (std::size_t k = 0; k < rows(); ++k)
     if (is_present(k)) p.place.push_back(k);
-  p.resize(p.place.size(), of_bodies, turned_by_fluid, follows_fluid);
+  p.resize(p.place.size(), of_bodies, FluidIs::needs_spin, turned_by_fluid, follows_fluid);
   if constexpr (of_bodies)
     for (std::size_t f = 0; f < engine_.mover.forms.size(); ++f) {
       const auto& form = engine_.mover.forms[f];
@@ -316,7 +316,7 @@ double Simulation<Policies...>::gather_for_fluid() {
       } else {
         p.radius[n] = owner.radius();
       }
-      if constexpr (turned_by_fluid) p.spin[n] = owner.angular_velocity();
+      if constexpr (FluidIs::needs_spin) p.spin[n] = owner.angular_velocity();
       // Mean effect of the other forces since the fluid was last evaluated.
       const Vec3d unforced = loads.unforced[k].vector();
       const bool known = span > 0 && !std::isnan(unforced.x);
