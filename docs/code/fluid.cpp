@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include <silt/coupling/drag/ergun.hpp>
+#include <silt/coupling/drag/lone_sphere.hpp>
 #include <silt/coupling/formulas.hpp>
 #include <silt/fluid/boundary_of.hpp>
 #include <silt/fluid/flow_solver.hpp>
@@ -28,6 +29,15 @@ int main() {
         flow.voidage()(i, j, k) = eps;
         flow.drag()(i, j, k) = beta;
       }
+  // What the laws say of such grains of 2500 kg/m3.
+  const double v_t = silt::terminal_velocity(silt::SchillerNaumann{}, d, 2500, air.density,
+                                             air.viscosity);  // [m/s]
+  const double U_mf = silt::minimum_fluidisation_velocity(silt::Ergun{}, eps, d, 2500, air.density,
+                                                          air.viscosity);  // [m/s]
+  const double carried = silt::bed_pressure_gradient(silt::Ergun{}, eps, d, air.density,
+                                                     air.viscosity, U_mf);  // [Pa/m]
+  std::printf("terminal velocity %.2f m/s, minimum fluidisation %.2f m/s\n", v_t, U_mf);
+
   flow.start();
   for (double t = 0; t < 0.1;) {
     const double dt = std::min(1e-3, flow.stable_step());
@@ -88,6 +98,8 @@ int main() {
   if (std::abs(by_area / (2 * 3.14159265 * 0.004 * 0.004) - 1) > 0.005 ||
       std::abs(box.flow_rate(2, 0) / 1e-4 - 1) > 1e-9)
     wrong = "the nozzle must have its area, to 0.5 %, and let in the rate given";
+  if (std::abs(carried / ((1 - eps) * (2500 - air.density) * 9.81) - 1) > 1e-9)
+    wrong = "at minimum fluidisation the pressure gradient must carry the bed's weight";
   if (wrong) std::printf("wrong: %s\n", wrong);
   return wrong ? 1 : 0;
 }

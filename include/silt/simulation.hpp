@@ -110,6 +110,9 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   static_assert(!follows_fluid || FollowingFluid<Fluid>,
                 "a fluid that says it follows lacks start_of(), lose(), prepare_to_follow() or "
                 "follow() (FollowingFluid, silt/coupling/concept.hpp)");
+  static_assert(rotates || !detail::FluidTraits<Fluid>::needs_rotation,
+                "a force of the fluid depends on the rotation of particles (SpinLift), but these "
+                "spheres do not rotate: take a contact law with friction, or leave that force out");
   static_assert(
       detail::laws_fit_lanes<typename Composition::Contacts, typename Composition::Arch>());
   static_assert(

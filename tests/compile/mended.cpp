@@ -135,6 +135,9 @@ namespace law_without_contacts {
 namespace torque_without_rotation {
 #include "refused/torque_without_rotation.cpp"
 }
+namespace lift_without_rotation {
+#include "refused/lift_without_rotation.cpp"
+}
 namespace unknown_field {
 #include "refused/unknown_field.cpp"
 }

@@ -26,6 +26,11 @@ const HertzMindlin::Material glass{2e5, 0.3, 0.8, 0.3};
 constexpr double d = 1e-3, mu = 1.8e-3, rho = 1.2;  // [m], [Pa s], [kg/m3]
 double tau(double density) { return density * d * d / (18 * mu); }
 
+/// A force of one's own, along y for a spin about z.
+struct Sideways {
+  Vec3d force_on(const silt::InFluid& at) const { return {0, 1e-9 * at.angular_velocity.z, 0}; }
+};
+
 template <class Fluid>
 auto one_grain(double density, const Vec3d& x, const Vec3d& v, const Fluid& fluid, double dt) {
   Particles<Sphere> all;
@@ -122,6 +127,36 @@ TEST_CASE("prescribed_flow: lift knows the shear") {
   const double exact = silt::SaffmanMei::force(d, rho, mu, Vec3d{0.1, 0, 0}, Vec3d{0, shear, 0}).z;
   CHECK(exact != 0);
   CHECK(std::abs(sim.fluid_force(0).z / exact - 1) < 1e-3);
+}
+
+TEST_CASE("prescribed_flow: forces know the particle's rotation, without a torque of the fluid") {
+  // Catches an angular velocity of 0: no lift, and no force of one's own.
+  using Wind = Vec3d (*)(const Vec3d&, double);
+  const Wind wind = [](const Vec3d&, double) { return Vec3d{2, 0, 0}; };
+  const Vec3d spin{0, 0, 1000};
+  const auto side_force = [&](const auto& lift) {
+    Particles<Sphere> all;
+    all.add({.position = {0, 0, 0}, .radius = d / 2, .density = 1000, .angular_velocity = spin});
+    Simulation sim{std::move(all), silt::Contacts<HertzMindlin>{glass},
+                   PrescribedFlow{silt::SchillerNaumann{}, {rho, 1.8e-5}, wind, lift}};
+    sim.time_step = 1e-6;
+    sim.run(0);
+    CHECK(sim.angular_velocity(0).z == 1000);
+    return sim.fluid_force(0).y;
+  };
+  const double magnus = silt::OesterleBuiDinh::force(d, rho, 1.8e-5, {2, 0, 0}, -spin).y;
+  CHECK(std::abs(magnus) > 1e-7);
+  // The force is that at the start of the step, in which the slip falls by 2e-6.
+  CHECK(std::abs(side_force(silt::SpinLift{}) / magnus - 1) < 1e-5);
+  // The fluid resists the motion that it causes in the step: K dt/(2 m) = 4e-7.
+  CHECK(std::abs(side_force(Sideways{}) / 1e-6 - 1) < 1e-6);
+  // Forces that need no rotation do not make a simulation read it.
+  using Shear = PrescribedFlow<Wind, Stokes, silt::ShearLift, silt::VirtualMass>;
+  CHECK_FALSE((Shear::needs_spin || Shear::needs_rotation));
+  CHECK_FALSE(silt::CoupledFlow<Stokes, silt::Kernel, silt::HistoryForce>::needs_spin);
+  CHECK_FALSE(silt::CoupledFlow<Stokes, silt::Kernel, silt::FollowedDrag>::needs_spin);
+  CHECK_FALSE(
+      silt::CoupledFlow<silt::SlowEllipsoid, silt::Kernel, silt::SlowEllipsoid>::needs_spin);
 }
 
 TEST_CASE("prescribed_flow: a restart goes on with the same bits, and so do more threads") {

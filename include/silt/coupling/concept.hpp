@@ -117,6 +117,8 @@ concept ActiveFluid =
 /// Optional members, detected by detail::FluidTraits:
 ///
 ///   static constexpr bool turns       it has torques
+///   static constexpr bool needs_spin  it reads angular velocities of particles; true if it `turns`
+///   static constexpr bool needs_rotation       it refuses spheres that do not rotate
 ///   static constexpr bool sees_forms  it reads CoupledParticles::forms of bodies
 ///   void take_form(form, shape)       gets each form of bodies by number, with the type of the
 ///                                     particles' shape, before the first advance() that uses it
@@ -168,6 +170,8 @@ template <class F>
 struct FluidTraits {
   static constexpr bool active = F::active;
   static constexpr bool turns = requires { requires F::turns; };
+  static constexpr bool needs_spin = turns || requires { requires F::needs_spin; };
+  static constexpr bool needs_rotation = requires { requires F::needs_rotation; };
   static constexpr bool follows = requires { requires F::follows; };
   static constexpr bool sees_forms = requires { requires F::sees_forms; };
   template <class Shape>

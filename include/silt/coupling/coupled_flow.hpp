@@ -60,9 +60,10 @@ class BasicCoupledFlow {
  public:
   using Exchange = ParticleExchange<Drag, Forces...>;
   static constexpr bool active = true;
-  static constexpr bool turns = Exchange::turns, needs_strain = Exchange::needs_strain,
-                        needs_curl = Exchange::needs_curl, sees_forms = Exchange::sees_forms,
-                        has_history = Exchange::has_history,
+  static constexpr bool turns = Exchange::turns, needs_spin = Exchange::needs_spin,
+                        needs_rotation = Exchange::needs_rotation,
+                        needs_strain = Exchange::needs_strain, needs_curl = Exchange::needs_curl,
+                        sees_forms = Exchange::sees_forms, has_history = Exchange::has_history,
                         has_added_mass = Exchange::has_added_mass;
   /// Drag follows each particle's velocity between fluid steps.
   static constexpr bool follows = Exchange::follows;

@@ -67,7 +67,9 @@ class CoupledMesh {
       "leave lift, virtual mass, histories and FollowedDrag out");
 
  public:
-  static constexpr bool active = true, turns = Exchange::turns, sees_forms = Exchange::sees_forms;
+  static constexpr bool active = true, turns = Exchange::turns, needs_spin = Exchange::needs_spin,
+                        needs_rotation = Exchange::needs_rotation,
+                        sees_forms = Exchange::sees_forms;
 
   CoupledMesh(Space space, Flow flow, const Drag& drag, const Forces&... forces)
       : space_(std::move(space)), flow_(std::move(flow)), exchange_(drag, forces...) {}

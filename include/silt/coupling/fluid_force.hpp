@@ -24,7 +24,7 @@ struct InFluid {
   double dt;                  // [s] the fluid step
   Vec3d slip;                 // [m/s] fluid's velocity minus the particle's
   Vec3d curl;                 // [1/s] of the fluid's velocity; if a force needs it
-  Vec3d angular_velocity;     // [rad/s] of the particle
+  Vec3d angular_velocity;     // [rad/s] of the particle, unless needs_spin = false in all forces
   Quaternion orientation;     // principal axes to space, and
   std::uint32_t form;         // number of the form: for bodies
   const FormInFlow* body;     // shape of that form; null for spheres
@@ -39,7 +39,9 @@ struct InFluid {
 ///   Vec3d torque_on(const InFluid&) const       [N m]
 ///   double added_mass(const InFluid&) const     [kg] accelerated with the particle
 /// and optionally `static constexpr bool needs_curl = true`, needs_strain (which includes the
-/// curl), or sees_forms. The reaction acts on the fluid in the same step. FollowedDrag, which
+/// curl), or sees_forms. needs_spin = true refuses spheres that do not rotate, whose angular
+/// velocity is 0; needs_spin = false, in all forces, saves reading the angular velocities. The
+/// reaction acts on the fluid in the same step. FollowedDrag, which
 /// changes the integration of drag, is given in the same place (followed_drag.hpp).
 template <class F>
 concept FluidForce = requires(const F& f, const InFluid& at) {
@@ -60,7 +62,7 @@ concept FluidForce = requires(const F& f, const InFluid& at) {
 /// Errors: none.
 /// Tests:  tests/coupling/lift.cpp, tests/coupling/simulation.cpp.
 struct ShearLift {
-  static constexpr bool needs_curl = true;
+  static constexpr bool needs_curl = true, needs_spin = false;
   Vec3d force_on(const InFluid& p) const {
     return SaffmanMei::force(p.diameter, p.density, p.viscosity, p.slip, p.curl);
   }
@@ -70,10 +72,10 @@ struct ShearLift {
 /// Source: as OesterleBuiDinh (coupling/lift/magnus.hpp).
 /// Valid:  as OesterleBuiDinh.
 /// Units:  SI.
-/// Errors: none.
-/// Tests:  tests/coupling/lift.cpp, tests/coupling/simulation.cpp.
+/// Errors: does not compile with spheres that do not rotate (a contact law without friction).
+/// Tests:  tests/coupling/lift.cpp, prescribed_flow.cpp, simulation.cpp.
 struct SpinLift {
-  static constexpr bool needs_curl = true;
+  static constexpr bool needs_curl = true, needs_spin = true;
   Vec3d force_on(const InFluid& p) const {
     return OesterleBuiDinh::force(p.diameter, p.density, p.viscosity, p.slip,
                                   0.5 * p.curl - p.angular_velocity);
@@ -89,7 +91,7 @@ struct SpinLift {
 /// Errors: none.
 /// Tests:  tests/coupling/lift.cpp, tests/coupling/simulation.cpp.
 struct SpinTorque {
-  static constexpr bool needs_curl = true;
+  static constexpr bool needs_curl = true, needs_spin = true;
   Vec3d torque_on(const InFluid& p) const {
     const Vec3d Omega = 0.5 * p.curl - p.angular_velocity;
     const double spin = norm(Omega);
@@ -111,6 +113,7 @@ struct SpinTorque {
 /// Errors: does not compile with FollowedDrag.
 /// Tests:  tests/coupling/simulation.cpp, tests/coupling/impulsive_start.cpp.
 struct VirtualMass {
+  static constexpr bool needs_spin = false;
   double coefficient = 0.5;  // [-] of a sphere
   double added_mass(const InFluid& p) const { return coefficient * p.density * p.volume; }
 };

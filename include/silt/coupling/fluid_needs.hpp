@@ -26,6 +26,26 @@ template <class F>
 inline constexpr bool remembers = requires {
   requires F::has_history;
 };
+/// It uses the particles' rotation: it says so.
+template <class F>
+inline constexpr bool wants_rotation = requires {
+  requires F::needs_spin;
+};
+/// It may read InFluid::angular_velocity: a force or a law of bodies that does not deny it.
+template <class F>
+inline constexpr bool reads_spin = [] {
+  if constexpr (requires { bool(F::needs_spin); })
+    return bool(F::needs_spin);
+  else
+    return true;
+}();
+template <class Drag>
+inline constexpr bool drag_reads_spin = [] {
+  if constexpr (OrientedDragLaw<Drag>)
+    return reads_spin<Drag>;
+  else
+    return false;
+}();
 
 /// K [kg/s] of model A.
 template <class Drag>

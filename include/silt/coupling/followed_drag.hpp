@@ -30,7 +30,7 @@ namespace silt::inline SILT_TARGET {
 ///         VirtualMass.
 /// Tests:  tests/coupling/followed_drag.cpp.
 struct FollowedDrag {
-  static constexpr bool follows_velocity = true;
+  static constexpr bool follows_velocity = true, needs_spin = false;
   double cell = 0;       // [m]
   double tolerance = 0;  // [-]
 

@@ -66,6 +66,10 @@ class ParticleExchange {
   static constexpr bool needs_curl = needs_strain || (false || ... || wants_curl<Forces>);
   static constexpr bool sees_forms =
       detail::wants_forms<Drag> || (false || ... || detail::wants_forms<Forces>);
+  /// Particles are given with their angular velocities.
+  static constexpr bool needs_spin =
+      turns || detail::drag_reads_spin<Drag> || (false || ... || detail::reads_spin<Forces>);
+  static constexpr bool needs_rotation = (false || ... || detail::wants_rotation<Forces>);
   static constexpr bool has_history = (false || ... || detail::remembers<Forces>);
   static constexpr bool has_added_mass = (false || ... || adds_mass<Forces>);
   /// Drag follows each particle's velocity between fluid steps.

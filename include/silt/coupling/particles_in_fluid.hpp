@@ -29,7 +29,7 @@ struct CoupledParticles {
   std::span<const double> volume;                // [m3]
   std::span<const double> mass;                  // [kg]; infinite: fixed
   std::span<const Vec3d> acceleration = {};      // [m/s2] by all other forces; left out: none
-  std::span<const Vec3d> angular_velocity = {};  // [rad/s]; left out: none
+  std::span<const Vec3d> angular_velocity = {};  // [rad/s]; if a force needs it; left out: none
   // With FollowedDrag:
   std::span<const Vec3d> owed = {};  // [N s] taken beyond what the fluid gave in its last step
   std::span<HeldDrag> drag = {};     // updated according to the tolerance
@@ -57,11 +57,12 @@ struct ParticlesInFluid {
   std::vector<double> temperature, capacity;  // [K], [J/K] of modules with heat exchange
   double inertia_factor = 0.4;                // [-]
 
-  void resize(std::size_t n, bool bodies, bool turns, bool follows) {
+  void resize(std::size_t n, bool bodies, bool spins, bool turns, bool follows) {
     for (auto* v : {&position, &velocity, &acceleration, &force}) v->resize(n);
     for (auto* v : {&radius, &volume, &mass}) v->resize(n);
     if (follows) owed.resize(n), drag.resize(n);
-    if (turns) spin.resize(n), torque.resize(n);
+    if (spins) spin.resize(n);
+    if (turns) torque.resize(n);
     id.resize(n);
     if (bodies) orientation.resize(n), form.resize(n);
   }

@@ -46,7 +46,9 @@ class PrescribedFlow {
                 "PrescribedFlow computes drag in each particle step: leave out FollowedDrag");
 
  public:
-  static constexpr bool active = true, turns = Exchange::turns, sees_forms = Exchange::sees_forms;
+  static constexpr bool active = true, turns = Exchange::turns, needs_spin = Exchange::needs_spin,
+                        needs_rotation = Exchange::needs_rotation,
+                        sees_forms = Exchange::sees_forms;
 
   PrescribedFlow(const Drag& drag, const FluidProperties& fluid, Velocity velocity,
                  const Forces&... forces)

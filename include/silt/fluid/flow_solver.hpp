@@ -202,7 +202,7 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
   /// @{
   CellField& voidage() { return s_.voidage; }  // [-] eps at the end of the step
   const CellField& voidage() const { return s_.voidage; }
-  CellField& drag() { return s_.drag; }                                    // [kg/(m3 s)] K
+  CellField& drag() { return s_.drag; }                                    // [kg/(m3 s)] K >= 0
   CellField& drag_velocity(int d) { return s_.drag_v[FlowState::at(d)]; }  // [N/m3] K v
   CellField& force(int d) { return s_.force[FlowState::at(d)]; }           // [N/m3] s
   /// Response of particles within the step; created at the first call.

@@ -121,9 +121,23 @@ void Simulation<Policies...>::change_fluid_step([[maybe_unused]] double dt) {
       const double ahead = kicks_of(dt_) * dt_ - more;  // [s] planned duration of the force
       const double kicks = kicks_of(dt);
       auto& loads = engine_.fluid_loads();
+      // What couple() will book for the force of this instant, with the new step and a changed
+      // force, is not its work.
+      [[maybe_unused]] double missed = 0;  // [J]
       for (std::size_t k = 0; k < rows(); ++k) {
         if (!is_present(k) || !std::isfinite(mass(k))) continue;
         const Vec3d force = loads.force[k].vector();
+        if constexpr (has_ledger) {
+          const Vec3d now = velocity(k), kick = engine_.owner(k).velocity() - now;
+          const Vec3d coming = now + (dt / dt_) * kick;
+          const double of_longer_kick = 0.25 * (dt_ - dt * dt / dt_) * dot(force, kick);
+          if (follows_fluid)
+            missed += of_longer_kick;
+          else if (kicks > 0)
+            missed += 0.5 * (dt - ahead / kicks) * dot(force, coming) + of_longer_kick;
+          else
+            missed -= more * dot(force, coming - (more / mass(k)) * force);
+        }
         if constexpr (follows_fluid) {
           const Vec3d drag = force - loads.held[k].vector();
           if (loads.given[k].fourth > 0)
@@ -138,6 +152,7 @@ void Simulation<Policies...>::change_fluid_step([[maybe_unused]] double dt) {
           engine_.change_velocity(k, back);
         }
       }
+      if constexpr (has_ledger) book_.fluid_worked(missed);
     }
   }
 }
@@ -287,7 +302,7 @@ double Simulation<Policies...>::gather_for_fluid() {
   p.place.clear();
   for (std::size_t k = 0; k < rows(); ++k)
     if (is_present(k)) p.place.push_back(k);
-  p.resize(p.place.size(), of_bodies, turned_by_fluid, follows_fluid);
+  p.resize(p.place.size(), of_bodies, FluidIs::needs_spin, turned_by_fluid, follows_fluid);
   if constexpr (of_bodies)
     for (std::size_t f = 0; f < engine_.mover.forms.size(); ++f) {
       const auto& form = engine_.mover.forms[f];
@@ -316,7 +331,7 @@ double Simulation<Policies...>::gather_for_fluid() {
       } else {
         p.radius[n] = owner.radius();
       }
-      if constexpr (turned_by_fluid) p.spin[n] = owner.angular_velocity();
+      if constexpr (FluidIs::needs_spin) p.spin[n] = owner.angular_velocity();
       // Mean effect of the other forces since the fluid was last evaluated.
       const Vec3d unforced = loads.unforced[k].vector();
       const bool known = span > 0 && !std::isnan(unforced.x);

@@ -88,6 +88,19 @@ void Simulation<Policies...>::book_leaving([[maybe_unused]] std::size_t k) {
     const double ago = !kicked_ && Integrator::first_kick == 0.5 ? 0.5 * dt_ : 0;  // [s]
     const Vec3d v = velocity(k), now = v + ago * gravity;
     book_.bring_in(0.5 * mass(k) * (dot(v, v) - dot(now, now)) - kinetic(k).sum() - potential(k));
+    if (kicked_) return;
+    // Work since the last forces, up to those velocities: the next step will not see the particle.
+    const auto p = engine_.owner(k);
+    const auto work_of = [&](const auto& loads, auto turns) {
+      double power = dot(loads.force[k].vector(), p.velocity());
+      if constexpr (decltype(turns)::value)
+        power += dot(loads.torque[k].vector(), p.angular_velocity());
+      return 0.5 * dt_ * power;
+    };
+    if constexpr (Fluid::active)
+      book_.fluid_worked(work_of(engine_.fluid_loads(), std::bool_constant<turned_by_fluid>{}));
+    if constexpr (Modules::push)
+      book_.modules_worked(work_of(engine_.modules(), std::bool_constant<Modules::turn>{}));
   }
 }
 

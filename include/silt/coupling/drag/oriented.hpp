@@ -63,7 +63,7 @@ inline double reynolds_of(const InFluid& at) {
 /// Drag of bodies by their orientation: (1), or with a sphere law (2).
 template <LoneBodyLaw Law = HoelzerSommerfeld, class SphereLaw = void>
 struct OrientedDrag {
-  static constexpr bool sees_forms = true;
+  static constexpr bool sees_forms = true, needs_spin = false;
   double normalised(const InFluid& at, double Re) const {
     const double W = norm(at.slip);
     const Vec3d u = W > 0 ? detail::in_body(at, at.slip * (1 / W)) : Vec3d{0, 0, 1};
@@ -81,7 +81,7 @@ struct OrientedDrag {
 /// Source: J. Happel, H. Brenner, Low Reynolds Number Hydrodynamics (1965), ch. 5.
 template <LoneBodyLaw Law = HoelzerSommerfeld, class SphereLaw = void>
 struct InclinedLift {
-  static constexpr bool sees_forms = true;
+  static constexpr bool sees_forms = true, needs_spin = false;
   Vec3d force_on(const InFluid& at) const {
     const double W2 = dot(at.slip, at.slip);
     if (!at.body || at.body->seen.empty() || W2 == 0) return {0, 0, 0};
@@ -108,7 +108,7 @@ struct InclinedLift {
 /// Source: A. Oberbeck, J. reine angew. Math. 81 (1876) 62; Happel and Brenner as above, sec. 5-11.
 /// Valid:  Re << 1; without the effect of other particles.
 struct SlowEllipsoid {
-  static constexpr bool sees_forms = true;
+  static constexpr bool sees_forms = true, needs_spin = false;
   double normalised(const InFluid& at, double) const {
     const double W2 = dot(at.slip, at.slip);
     const Vec3d W = detail::in_body(at, at.slip);
@@ -136,7 +136,7 @@ struct SlowEllipsoid {
 /// Valid:  as Zastawny: 0.1 < Re < 300, its four bodies.
 struct ZastawnyDrag {
   Zastawny fit;
-  static constexpr bool sees_forms = true;
+  static constexpr bool sees_forms = true, needs_spin = false;
   double normalised(const InFluid& at, double Re) const;
   void check_form(const FormInFlow* form) const;
 };

@@ -29,7 +29,7 @@ namespace silt::inline SILT_TARGET {
 /// Units:  SI.
 /// Errors: none.
 struct EllipsoidTorque {
-  static constexpr bool sees_forms = true, needs_strain = true;
+  static constexpr bool sees_forms = true, needs_strain = true, needs_spin = true;
 
   Vec3d torque_on(const InFluid& at) const {
     if (!std::isfinite(at.mass)) return {0, 0, 0};

@@ -44,7 +44,7 @@ namespace silt::inline SILT_TARGET {
 /// Units:  SI.
 class HistoryForce {
  public:
-  static constexpr bool has_history = true;
+  static constexpr bool has_history = true, needs_spin = false;
 
   explicit HistoryForce(std::size_t window_steps = 20) : window_(window_steps) {
     BassetKernel(1, window_);  // refuses invalid values
