@@ -123,8 +123,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
       "a law with a safeguard (Softened) turns a velocity within one step, which Gear spreads over "
       "several, beyond what is wanted: take Leapfrog");
 
-  /// State of one particle [bytes]: no more than the policies need. For bodies: of each part, plus
-  /// bytes_per_body for each body.
+  /// State of one particle, and in addition of one body of such parts [bytes].
   static constexpr std::size_t bytes_per_particle = Engine::State::bytes_per_particle;
   static constexpr std::size_t bytes_per_body =
       of_bodies ? sizeof(detail::Body) +
