@@ -36,7 +36,9 @@ struct CoupledParticles {
   std::span<const FormInFlow> forms = {};  // of bodies, if a force or the drag uses forms
   std::span<const ParticleId> id = {};     // permanent; if a force has a history
   double inertia_factor = 0.4;             // [-] I/(m r^2) of spheres
-  const ParticleHeat* heat = nullptr;      // exchange with a fluid that has heat
+  // [m3] of those that have been put there since the last step, 0 of others; left out: none.
+  std::span<const double> put_in = {};
+  const ParticleHeat* heat = nullptr;  // exchange with a fluid that has heat
 };
 
 namespace detail {
@@ -56,10 +58,12 @@ struct ParticlesInFluid {
   std::vector<ParticleId> id;
   std::vector<double> temperature, capacity;  // [K], [J/K] of modules with heat exchange
   double inertia_factor = 0.4;                // [-]
+  std::vector<double> put_in;                 // [m3] volumes of particles new to the fluid, or 0
+  bool any_put_in = false;
 
   void resize(std::size_t n, bool bodies, bool spins, bool turns, bool follows) {
     for (auto* v : {&position, &velocity, &acceleration, &force}) v->resize(n);
-    for (auto* v : {&radius, &volume, &mass}) v->resize(n);
+    for (auto* v : {&radius, &volume, &mass, &put_in}) v->resize(n);
     if (follows) owed.resize(n), drag.resize(n);
     if (spins) spin.resize(n);
     if (turns) torque.resize(n);
@@ -76,6 +80,7 @@ struct ParticlesInFluid {
                          owed,
                          drag};
     all.forms = forms_in_flow, all.id = id, all.inertia_factor = inertia_factor;
+    if (any_put_in) all.put_in = put_in;
     return all;
   }
   /// For form f, which exists or is the next one.

@@ -240,6 +240,24 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
     s_.old_dt = 0, s_.started = s_.sides_changed = true;
   }
 
+  /// Solids [m3 in each cell] that have been put there since the last step, and have not pushed the
+  /// fluid away: that in their place is gone, with the momentum and the heat that it had. A cell
+  /// keeps a void fraction of `least`. Without this call the next step drives it out, in no time.
+  void put_in(const CellField& solids, double least, const Team& team = {}) {
+    if (!s_.started || s_.options.model == MomentumModel::Simplified) return;
+    const double over = 1 / grid().cell_volume();
+    s_.for_cells(team, [&](int j, int k) {
+      const double* const open = open_row(j, k);
+      const double* const v = solids.row(j, k);
+      for (CellField* before : {&s_.old_eps, &s_.older_eps, &s_.mass}) {
+        double* const eps = before->row(j, k);
+        for (int i = 0; i < grid().nx(); ++i)
+          eps[i] = std::max(eps[i] - v[i] * over / fluid_detail::fluid_share(open, i),
+                            std::min(eps[i], least));
+      }
+    });
+  }
+
   /// Momentum of the fluid [kg m/s] that steps conserve: in the volumes of velocities.
   Vec3d momentum(const Team& team = {}) const {
     double of[3];

@@ -314,6 +314,7 @@ double Simulation<Policies...>::gather_for_fluid() {
   if constexpr (!of_bodies) p.inertia_factor = ShapeType::inertia_factor();
   const double span = fluid_.clock.last_step;
   std::array<double, Team::most_ranges> fastest{};
+  std::array<bool, Team::most_ranges> put_in{};
   engine_.team().for_ranges(p.place.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
     for (std::size_t n = from; n < to; ++n) {
       const std::size_t k = p.place[n];
@@ -334,7 +335,8 @@ double Simulation<Policies...>::gather_for_fluid() {
       if constexpr (FluidIs::needs_spin) p.spin[n] = owner.angular_velocity();
       // Mean effect of the other forces since the fluid was last evaluated.
       const Vec3d unforced = loads.unforced[k].vector();
-      const bool known = span > 0 && !std::isnan(unforced.x);
+      const bool is_new = span > 0 && std::isnan(unforced.x), known = span > 0 && !is_new;
+      p.put_in[n] = is_new ? p.volume[n] : 0, put_in[r] = put_in[r] || is_new;
       if constexpr (follows_fluid) {
         const bool in_fluid = known && loads.given[k].fourth > 0;
         p.owed[n] = in_fluid && std::isfinite(p.mass[n]) ? loads.taken[k].vector() : Vec3d{0, 0, 0};
@@ -345,6 +347,7 @@ double Simulation<Policies...>::gather_for_fluid() {
       fastest[r] = std::max(fastest[r], norm(p.velocity[n]));
     }
   });
+  p.any_put_in = std::find(put_in.begin(), put_in.end(), true) != put_in.end();
   return *std::max_element(fastest.begin(), fastest.end());
 }
 
