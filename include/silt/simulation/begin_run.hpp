@@ -9,14 +9,17 @@ namespace silt::inline SILT_TARGET {
 
 template <class... Policies>
 void Simulation<Policies...>::prepare() {
+  const auto check = [this] {
+    check_start();
+    modules_.check(*this), modules_.check_given(engine_, step_, time_);
+  };
   if constexpr (has_ranks) {
-    this->share_edits("the start of a run", [this] { check_start(), modules_.check(*this); });
+    this->share_edits("the start of a run", check);
     share_scene();
     if constexpr (has_bonds) this->share_bonds();
     engine_.ranks.together("the time step of a run", [this] { begin_run(); });
   } else {
-    check_start();
-    modules_.check(*this);
+    check();
     begin_run();
   }
 }
@@ -52,7 +55,6 @@ void Simulation<Policies...>::check_start() {
   book_gravity();
   detail::check_inertia<ShapeType>();
   if (step_ > 0 || kicked_) detail::check_given(engine_, gravity, step_, time_);
-  modules_.check_given(engine_, step_, time_);
   prepare_fluid();
   engine_.set_threads(threads);
 }
