@@ -75,7 +75,6 @@ class BasicCoupledFlow {
         mode_(mode),
         exchange_(drag, forces...),
         solids_(flow_.grid()),
-        put_in_(flow_.grid()),
         cells_(flow_.grid()) {
     mode_.check();
     if constexpr (follows) exchange_.followed().check(flow_.grid().box());
@@ -247,7 +246,6 @@ class BasicCoupledFlow {
   std::optional<typename Mode::Averaging> averaging_;
   int opened_ = 0;    // number of the flow's boundaries at the last opening
   CellField solids_;  // [m3]
-  CellField put_in_;  // [m3]
   CellValues cells_;
   detail::HeldCells held_;
   bool following_ = false;                  // held_ is of the present flow

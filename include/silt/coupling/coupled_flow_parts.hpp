@@ -16,13 +16,14 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::spread_volume(const CoupledP
   averaging_->spread(volume, to, team);
   if (const auto* joined = flow_.joined_cells()) joined->spread(solids_);
   const Grid& g = flow_.grid();
-  if constexpr (requires { flow_.put_in(put_in_, least_voidage, team); })
+  if constexpr (requires { flow_.put_in(solids_, least_voidage, team); })
     if (!of.put_in.empty()) {
-      CellField* const there[] = {&put_in_};
-      const std::span<const double> new_volume[] = {of.put_in};
-      averaging_->spread(new_volume, there, team);
-      if (const auto* joined = flow_.joined_cells()) joined->spread(put_in_);
-      flow_.put_in(put_in_, least_voidage, team);
+      CellField more(g);  // [m3]
+      CellField* const there[] = {&more};
+      const std::span<const double> volumes[] = {of.put_in};
+      averaging_->spread(volumes, there, team);
+      if (const auto* joined = flow_.joined_cells()) joined->spread(more);
+      flow_.put_in(more, least_voidage, team);
     }
   for (const double v : of.volume) done.solids += v;
   if (done.solids > 0 && done.averaging.outside == 0)

@@ -37,6 +37,8 @@ bool BreakAccess<Sim>::break_due() {
   take_place(parents, fragments);
   if constexpr (Sim::has_ledger)
     if (s.first_kick_) s.book_.was_there(-energy_of_all());
+  if constexpr (Sim::Fluid::active)
+    for (std::size_t k = from; k < s.rows(); ++k) s.engine_.fluid_loads().set_fragment(k);
   // The mass of a cell does not tell how thin it is.
   if (follows && Sim::of_bodies) looks = true;
   for (std::size_t k = from; follows && !looks && k < s.rows(); ++k)

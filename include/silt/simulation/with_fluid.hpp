@@ -335,8 +335,8 @@ double Simulation<Policies...>::gather_for_fluid() {
       if constexpr (FluidIs::needs_spin) p.spin[n] = owner.angular_velocity();
       // Mean effect of the other forces since the fluid was last evaluated.
       const Vec3d unforced = loads.unforced[k].vector();
-      const bool is_new = span > 0 && std::isnan(unforced.x), known = span > 0 && !is_new;
-      p.put_in[n] = is_new ? p.volume[n] : 0, put_in[r] = put_in[r] || is_new;
+      const bool known = span > 0 && !loads.is_new(k), is_put_in = span > 0 && loads.is_put_in(k);
+      p.put_in[n] = is_put_in ? p.volume[n] : 0, put_in[r] = put_in[r] || is_put_in;
       if constexpr (follows_fluid) {
         const bool in_fluid = known && loads.given[k].fourth > 0;
         p.owed[n] = in_fluid && std::isfinite(p.mass[n]) ? loads.taken[k].vector() : Vec3d{0, 0, 0};

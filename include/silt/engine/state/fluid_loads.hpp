@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -30,8 +31,8 @@ struct alignas(32) VectorRow {
 };
 
 /// Loads of a fluid on particles, one row each, applied until the fluid is evaluated again, and the
-/// data that the coupling then needs from this evaluation. A new particle has no load, and NaN as
-/// unforced velocity.
+/// data that the coupling then needs from this evaluation. A new particle has no load, and NaN as x
+/// of its unforced velocity; a fragment also as y.
 template <FromFluid What>
 struct FluidLoads {
   static constexpr bool any = What != FromFluid::Nothing;
@@ -50,6 +51,11 @@ struct FluidLoads {
       given;  // [N s] for the fluid step, remainder included (diameter [m]; 0: none)
   AlignedVector<VectorRow> taken;  // [N s] since then, less the planned part
   Vec3d left{0, 0, 0};             // [N s] taken by particles that left since the last read
+
+  /// Row k is a fragment, which takes the place of a particle that the fluid knows.
+  void set_fragment(std::size_t k) { unforced[k].y = std::numeric_limits<double>::quiet_NaN(); }
+  bool is_new(std::size_t k) const { return std::isnan(unforced[k].x); }
+  bool is_put_in(std::size_t k) const { return is_new(k) && !std::isnan(unforced[k].y); }
 
   static constexpr auto columns() {
     constexpr VectorRow unknown{std::numeric_limits<double>::quiet_NaN(), 0, 0, 0};
