@@ -46,7 +46,7 @@ FLOORS = [
 # Files that stand at the top of include/silt.
 AT_TOP = {"simulation.hpp": "simulation", "silt.hpp": "umbrella", "fluid.hpp": "umbrella",
           "sph.hpp": "umbrella", "ranks.hpp": "umbrella", "mpi.hpp": "umbrella", "eigen.hpp": "umbrella",
-          "precompiled.hpp": "umbrella", "precompiled_fluid.hpp": "umbrella"}
+          "declare_simulation.hpp": "umbrella", "precompiled.hpp": "umbrella", "precompiled_fluid.hpp": "umbrella"}
 PICTURE = ROOT / "docs" / "pictures" / "rooms.svg"
 INTRINSICS = re.compile(r"#include <(immintrin|x86intrin|arm_neon|xsimd/)|\b_mm\d*_\w+\(")
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <charconv>
-#include <cstdint>
 #include <initializer_list>
 #include <string>
 #include <string_view>
@@ -32,36 +31,40 @@ inline void append(std::string& out, double value) {
       std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, 6).ptr);
 }
 
-/// One word or number of a message. Neither this class nor the functions that take it are
-/// templates: there are many messages, and each would add compile time to every program that
-/// includes silt.
+/// One word or number of a message; strings and vectors are referred to and must outlive it.
+/// Neither this class nor the functions that take it are templates, and it is two words long: there
+/// are many messages, and each would add compile time to every program that includes silt.
 class Part {
  public:
-  Part() = default;
-  Part(const char* words) : words_(words) {}                             // NOLINT: converts
-  Part(const std::string& words) : words_(words) {}                      // NOLINT
-  Part(std::string_view words) : words_(words) {}                        // NOLINT
-  Part(char letter) : kind_(Kind::Letter), letter_(letter) {}            // NOLINT
-  Part(double number) : kind_(Kind::Number), number_{number, 0, 0} {}    // NOLINT
-  Part(const Vec3d& v) : kind_(Kind::Vector), number_{v.x, v.y, v.z} {}  // NOLINT
-  Part(int n) : Part(static_cast<long long>(n)) {}                       // NOLINT
-  Part(long n) : Part(static_cast<long long>(n)) {}                      // NOLINT
-  Part(long long n) : kind_(Kind::Integer), integer_(n) {}               // NOLINT
-  Part(unsigned n) : Part(static_cast<unsigned long long>(n)) {}         // NOLINT
-  Part(unsigned long n) : Part(static_cast<unsigned long long>(n)) {}    // NOLINT
-  Part(unsigned long long n) : kind_(Kind::Count), count_(n) {}          // NOLINT
+  Part() : Part("") {}
+  Part(const char* words) : kind_(Kind::Literal), words_(words) {}   // NOLINT
+  Part(const std::string& words) : Part(std::string_view(words)) {}  // NOLINT
+  Part(std::string_view words)                                       // NOLINT
+      : kind_(Kind::Words), length_(static_cast<unsigned>(words.size())), words_(words.data()) {}
+  Part(char letter) : kind_(Kind::Letter), letter_(letter) {}          // NOLINT
+  Part(double number) : kind_(Kind::Number), number_(number) {}        // NOLINT
+  Part(const Vec3d& v) : kind_(Kind::Vector), vector_(&v) {}           // NOLINT
+  Part(int n) : Part(static_cast<long long>(n)) {}                     // NOLINT
+  Part(long n) : Part(static_cast<long long>(n)) {}                    // NOLINT
+  Part(long long n) : kind_(Kind::Integer), integer_(n) {}             // NOLINT
+  Part(unsigned n) : Part(static_cast<unsigned long long>(n)) {}       // NOLINT
+  Part(unsigned long n) : Part(static_cast<unsigned long long>(n)) {}  // NOLINT
+  Part(unsigned long long n) : kind_(Kind::Count), count_(n) {}        // NOLINT
 
   [[gnu::cold]] void append_to(std::string& out, bool rounded = false) const {
     const auto number = [&](double x) { rounded ? append_rounded(out, x) : append(out, x); };
     switch (kind_) {
-      case Kind::Words:
+      case Kind::Literal:
         out += words_;
+        break;
+      case Kind::Words:
+        out.append(words_, length_);
         break;
       case Kind::Letter:
         out += letter_;
         break;
       case Kind::Number:
-        number(number_[0]);
+        number(number_);
         break;
       case Kind::Integer:
         out += std::to_string(integer_);
@@ -70,19 +73,23 @@ class Part {
         out += std::to_string(count_);
         break;
       case Kind::Vector:
-        for (int d = 0; d < 3; ++d) out += d == 0 ? "(" : ", ", number(number_[d]);
-        out += ')';
+        out += '(', number(vector_->x), out += ", ", number(vector_->y), out += ", ";
+        number(vector_->z), out += ')';
     }
   }
 
  private:
-  enum class Kind { Words, Letter, Number, Integer, Count, Vector };
-  Kind kind_ = Kind::Words;
-  char letter_ = 0;
-  std::string_view words_;
-  double number_[3] = {};
-  long long integer_ = 0;
-  unsigned long long count_ = 0;
+  enum class Kind : unsigned char { Literal, Words, Letter, Number, Integer, Count, Vector };
+  Kind kind_;
+  unsigned length_ = 0;  // of words
+  union {
+    const char* words_;
+    char letter_;
+    double number_;
+    long long integer_;
+    unsigned long long count_;
+    const Vec3d* vector_;
+  };
 };
 
 [[gnu::cold]] inline std::string join(std::initializer_list<Part> parts, bool rounded = false) {
@@ -147,11 +154,17 @@ template <class... Parts>
   return out + "'";
 }
 
+namespace detail {
+[[noreturn, gnu::cold, gnu::noinline]] inline void refuse(std::initializer_list<Part> parts) {
+  throw InputError(join(parts));
+}
+}  // namespace detail
+
 /// Throws InputError with the joined parts unless `condition` holds.
 template <class... Parts>
 void require(bool condition, const Parts&... parts) {
   if (!condition) [[unlikely]]
-    throw InputError(detail::join({parts...}));
+    detail::refuse({parts...});
 }
 
 namespace detail {
