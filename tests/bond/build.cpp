@@ -171,6 +171,51 @@ TEST_CASE("bonds: lists of bonded spheres that cannot be are refused, with nothi
       "is not a unit quaternion"));
 }
 
+/// A model of one's own: a spring that breaks at `strength` [N].
+struct Thread {
+  double stiffness, strength;  // [N/m], [N]
+  template <class Real>
+  struct Numbers {
+    Real is_there;
+  };
+  Numbers<double> numbers(const silt::BondedPair&) const { return {1}; }
+  template <class Real>
+  silt::BondAnswer<Real> answer(const silt::BondStrain<Real>& s, const Numbers<Real>& p) const {
+    const silt::Vec3<Real> none{Real(0), Real(0), Real(0)};
+    return {s.shift * (p.is_there * Real(-stiffness)), none, none, none};
+  }
+  template <class Real>
+  Real load(const silt::BondAnswer<Real>& a, const silt::Vec3<Real>&, const Numbers<Real>&) const {
+    return sqrt(dot(a.force, a.force)) / Real(strength);
+  }
+  double energy(const silt::BondStrain<double>& s, const Numbers<double>&) const {
+    return 0.5 * stiffness * dot(s.shift, s.shift);
+  }
+  silt::BondStiffness stiffest(const Numbers<double>&) const { return {stiffness, 0}; }
+};
+// Catches a bond that never breaks, as its load is 0/0, and one that limits no time step.
+TEST_CASE("bonds: a model whose load or stiffness is not a number is refused as it bonds") {
+  const auto refused = [](double stiffness, double strength, const char* words) {
+    silt::Particles<silt::Sphere> p;
+    p.add({.position = {0, 0, 0}, .radius = R, .density = 2000});
+    p.add({.position = {2 * R, 0, 0}, .radius = R, .density = 2000});
+    silt::Simulation sim{std::move(p), silt::Contacts<silt::HertzMindlin>{glass},
+                         silt::Bonds{Thread{stiffness, strength}}};
+    sim.add_wall(silt::Plane{{-R, 0, 0}, {1, 0, 0}}, glass, {.name = "hook"});
+    CHECK(silt_test::has(silt_test::refusal([&] { sim.bond(0, 1); }), words));
+    CHECK(silt_test::has(
+        silt_test::refusal([&] {
+          sim.bond_to_wall(0, "hook", {-R, 0, 0});
+        }),
+        words[0] == 'l' ? "load() of the unstrained bond of particle 0 to wall 0 'hook'" : words));
+    CHECK(sim.bonds() == 0);
+  };
+  refused(100, 0, "load() of the unstrained bond of particles 0 and 1 is");
+  refused(NAN, 1, "mend the model's numbers(), answer() or load()");
+  refused(-1, 1, "they must be finite, at least 0, and not all 0");
+  refused(0, 1, "they must be finite, at least 0, and not all 0");
+}
+
 TEST_CASE("bonds: makers and bond_near refuse what cannot be, with the number") {
   const auto refused = [](const auto& act, const char* words) {
     const auto said = silt_test::refusal(act);
@@ -182,7 +227,8 @@ TEST_CASE("bonds: makers and bond_near refuse what cannot be, with the number") 
   refused([] { silt::sheet({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 1, 3, grain); }, "1 x 3 spheres");
   const silt::Box box{{0, 0, 0}, {9 * R, 9 * R, 9 * R}};
   refused([&] { silt::agglomerate(box, {.radius = R}, NAN, grain); }, "gap = nan [m]");
-  refused([&] { silt::agglomerate(box, {.radius = R}, -1e-4, grain); }, "gap = -1e-04 [m] must be finite and not negative");
+  refused([&] { silt::agglomerate(box, {.radius = R}, -1e-4, grain); },
+          "gap = -1e-04 [m] must be finite and not negative");
   refused([&] { silt::agglomerate(box, {.radius = R}, 0, grain); }, "spheres is within gap = 0 m");
   silt::Simulation sim{silt::Particles<silt::Sphere>{}, silt::Contacts<silt::HertzMindlin>{glass},
                        glue};

@@ -3,6 +3,7 @@
 #include <silt/contact/hertz_mindlin.hpp>
 #include <silt/contact/linear_spring.hpp>
 #include <silt/contact/rolling/epsd.hpp>
+#include <silt/contact/rolling/twisting.hpp>
 #include <silt/simulation.hpp>
 
 #include "contact/support.hpp"
@@ -35,6 +36,23 @@ struct OwnKuwabaraKono {
     const Real Fn = max(spring * (c.overlap - p.damping_time * c.normal_velocity), Real(0));
     const Real speed = sqrt(dot(c.tangential_velocity, c.tangential_velocity) + Real(1e-30));
     return {Fn, -(min(p.drag, p.friction * Fn / speed) * c.tangential_velocity)};
+  }
+};
+
+/// A user's own rolling model without check(), which is optional as in a law.
+struct OwnRolling {
+  static constexpr bool is_rolling_model = true;
+  struct Pair {
+    double slowness = 1e-10;  // [N m s]
+  };
+  template <class Real>
+  struct Coefficients {
+    Real slowness;
+  };
+  static Coefficients<double> mix(const Pair& p) { return {p.slowness}; }
+  template <class Real>
+  static Vec3<Real> torque(const RollingContact<Real>& c, const Coefficients<Real>& p) {
+    return -p.slowness * c.angular_velocity;
   }
 };
 
@@ -136,6 +154,20 @@ TEST_CASE(
   CHECK(contacts.coefficients(0, 0).friction == 0.1);
 }
 
+TEST_CASE("contacts: a user's rolling model needs no check(), alone and in Both") {
+  Contacts<HertzMindlin, SeveralMaterials, OwnRolling> own{{glass, steel}, {.slowness = 2e-10}};
+  own.set_rolling(glass, steel, {.slowness = 3e-10});
+  CHECK(own.rolling_coefficients(0, 0).slowness == 2e-10);
+  CHECK(own.rolling_coefficients(1, 0).slowness == 3e-10);
+  using Pair = Contacts<HertzMindlin, Both<OwnRolling, RollingEpsd>>;
+  CHECK(Pair(glass, {{.slowness = 2e-10}, {}}).rolling_coefficients(0, 0).first.slowness == 2e-10);
+  refuses(
+      [&] {
+        Pair(glass, {{}, {.rolling_friction = -0.1}});
+      },
+      {"RollingEpsd.rolling_friction = -0.1"});
+}
+
 TEST_CASE("contacts: rolling resistance is that of the pair, or the general one") {
   Contacts<HertzMindlin, SeveralMaterials, RollingEpsd> contacts{{glass, steel},
                                                                  {.rolling_friction = 0.1}};
@@ -162,6 +194,12 @@ TEST_CASE("contacts: what is missing or out of range is refused by name") {
       {"list of materials is empty"});
   refuses([&] { Contacts<HertzMindlin, RollingEpsd>(glass, {.rolling_friction = -0.1}); },
           {"RollingEpsd.rolling_friction = -0.1"});
+  using Several = Contacts<HertzMindlin, SeveralMaterials, RollingEpsd>;
+  refuses(
+      [&] {
+        Several({glass, steel}, {.rolling_friction = -0.1});
+      },
+      {"RollingEpsd.rolling_friction = -0.1"});
   refuses([&] { Contacts<HertzMindlin, RollingEpsd>(glass, {.damping = std::nan("")}); },
           {"RollingEpsd.damping"});
 }

@@ -56,6 +56,41 @@ bool lacks(const std::string& sentence, std::initializer_list<std::string> words
 
 }  // namespace
 
+namespace {
+/// A law of one's own with a wrong contact_time().
+struct Instant {
+  struct Material {
+    double lasts;  // [s]
+    bool operator==(const Material&) const = default;
+  };
+  template <class Real>
+  struct Coefficients {
+    Real lasts;
+  };
+  static Coefficients<double> mix(const Material& a, const Material&) { return {a.lasts}; }
+  template <class Real>
+  static Real force(const silt::Contact<Real>& c, const Coefficients<Real>&) {
+    return Real(1e3) * c.overlap;
+  }
+  static double contact_time(const Coefficients<double>& p, double, double, double) {
+    return p.lasts;
+  }
+};
+}  // namespace
+
+// Catches "moves by 0 m in a step" and "set Simulation::time_step to less than -nan s".
+TEST_CASE("guard: a contact_time() that is not greater than 0 is named") {
+  for (const double lasts : {0.0, -1e-3, nan}) {
+    silt::Particles<Sphere> p;
+    p.add({.position = {0, 0, 0}, .radius = 1e-3, .density = 2500, .velocity = {0, 0, -1}});
+    silt::Simulation sim{std::move(p), silt::Contacts<Instant>{{lasts}}};
+    sim.gravity = {0, 0, -9.81};
+    CHECK(has_words(refusal<InputError>([&] { sim.run(0.01); }),
+                    {"the contact law's contact_time() is ", " s for R_eff = ",
+                     "it must be greater than 0, or infinite where it is not known"}));
+  }
+}
+
 TEST_CASE("guard: twins at the start are called so, and no other material is advised") {
   auto sim = scene({{0.1, 0, 0}, {0, 0, 0}, {0, 0, 0.3e-3}});
   const auto error = failure(sim, 0.01);

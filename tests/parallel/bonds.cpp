@@ -397,6 +397,16 @@ TEST_CASE("ranks: bonds that cannot be are refused by all ranks alike") {
     std::size_t own = 0;
     sim.for_each_bond([&](const auto&) { ++own; });
     CHECK(sim.sum_over_ranks(static_cast<double>(own)) == 2);
+    // Between two runs a run of 0 s makes no step, and a step is what they wait for.
+    sim.bond(6, 7);
+    sim.run(0);
+    CHECK_THROWS_WITH(
+        sim.for_each_bond([](const auto&) {}),
+        doctest::Contains("run() first for at least a step, as by run(step_length())"));
+    sim.run(sim.step_length());
+    own = 0;
+    sim.for_each_bond([&](const auto&) { ++own; });
+    CHECK(sim.sum_over_ranks(static_cast<double>(own)) == 3);
   });
   CHECK(told == 9);
 }

@@ -381,6 +381,15 @@ TEST_CASE("charge: refusals") {
   has(of(Charge{.cutoff = R, .field = {NAN, 0, 0}}), "Charge.field = ");
   has(of(Charge{.cutoff = R, .start_charge = INFINITY}), "Charge.start_charge = ");
   has(of(Charge{.cutoff = R, .planes = {{{0, 0, 0}, {0, 0, 0}}}}), "Charge.planes[0]: its point ");
+  const auto in_a_box = [](const Vec3d& normal) {
+    silt::Simulation sim{at({{0, 0, 0}}), silt::Contacts<silt::HertzMindlin>{glass},
+                         silt::PeriodicBox{{{-1, -1, -1}, {1, 1, 1}}, {true, true, false}},
+                         Charge{.cutoff = R, .planes = {{{0, 0, -0.5}, normal}}}};
+    sim.time_step = 1e-6;
+    return refusal([&] { sim.run(0); });
+  };
+  has(in_a_box({1e-3, 0, 1}), "along a direction in which the box is periodic");
+  CHECK(in_a_box({0, 0, -2}) == "nothing was refused");
   const auto tribos = [](const TriboCharge::Surfaces& how) {
     return refusal([&] {
       auto sim = tribo(at({{0, 0, 0}}), glass, how);

@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 // Wear of mesh walls against closed forms: a sphere that slides with a constant force, impacts at
 // angles, a sphere that rolls; the same bits on any number of threads and from a checkpoint.
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -125,6 +126,30 @@ TEST_CASE("wear: an impact wears as Finnie says at angles on both sides of tan a
   }
 }
 
+// Catches normals of floats, with which wear in mixed precision did not compile.
+TEST_CASE("wear: in mixed precision a sphere wears as in double to 1e-6") {
+  const auto bed = [](auto... precision) {
+    silt::Particles<silt::Sphere> p;
+    p.add({.position = resting(-0.004), .radius = R, .density = density, .velocity = {0.1, 0, 0}});
+    p.add({.position = {0.1, 0, R + 1e-4},
+           .radius = R,
+           .density = density,
+           .velocity = {0.3, 0, -1}});
+    silt::Simulation sim{std::move(p), silt::Contacts<silt::LinearSpringFriction>{smooth},
+                         Sliding{steel}, Cutting{ductile}, precision...};
+    sim.add_wall(plate(), smooth);
+    sim.gravity = {0, 0, -g};
+    sim.time_step = 1e-5;
+    sim.run(0.02);
+    return std::array{silt::worn_volume<Sliding>(sim, 0), silt::worn_volume<Cutting>(sim, 0)};
+  };
+  const auto exact = bed(), mixed = bed(silt::Mixed{});
+  for (std::size_t k = 0; k < 2; ++k) {
+    CHECK(exact[k] > 0);
+    CHECK(mixed[k] == near(exact[k]).epsilon(1e-6));
+  }
+}
+
 // Catches bodies' contacts that are not asked, or with another velocity.
 TEST_CASE("wear: a super-ellipsoid that is a sphere wears as the sphere does") {
   auto sim = scene<silt::SuperEllipsoid>(
@@ -192,6 +217,19 @@ TEST_CASE("wear: what makes no sense is refused") {
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, smooth);
   CHECK(has(refusal([&] { sim.run(1e-4); }), "no wall of this simulation is a triangle mesh"));
   CHECK(has(refusal([&] { silt::worn_volume<Sliding>(sim, 0); }), "is not a triangle mesh"));
+}
+
+// Catches a message that says of a removed wall that it was no mesh.
+TEST_CASE("wear: a run goes on after its only mesh was removed, whose wear is no longer there") {
+  auto sim = scene<silt::Sphere>(
+      {.position = resting(0.1), .radius = R, .density = density, .velocity = {0.1, 0, 0}}, smooth,
+      {.name = "chute"});
+  sim.gravity = {0, 0, -g};
+  sim.run(1e-3);
+  sim.remove_wall("chute");
+  CHECK_NOTHROW(sim.run(1e-3));
+  CHECK(has(refusal([&] { silt::worn_volume<Sliding>(sim, "chute"); }),
+            "wall 0 'chute' was removed, and its facets with it; read its wear before"));
 }
 
 }  // namespace wear_test

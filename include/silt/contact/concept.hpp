@@ -239,11 +239,15 @@ concept ContactLaw = std::equality_comparable<typename L::Material> && requires 
 } &&(std::same_as<detail::ForceOf<L>, double> ||
      std::same_as<detail::ForceOf<L>, Traction<double>>);
 
-/// Rolling model: adds a couple M on i and -M on j, in lanes like a contact law. Required: `Pair`,
-/// `Coefficients`, `mix(Pair)` and `static Vec3<Real> torque(RollingContact<Real>,
-/// Coefficients<Real> [, History<Real>&])`.
+/// Rolling model: adds a couple M on i and -M on j, in lanes like a contact law. Required:
+///   static constexpr bool is_rolling_model = true
+///   struct Pair                                  what the user sets for a pair of materials
+///   template <class Real> struct Coefficients    what the kernel needs, only Reals
+///   static Coefficients<double> mix(const Pair&)
+///   static Vec3<Real> torque(RollingContact<Real>, Coefficients<Real> [, History<Real>&])    [N m]
 ///
-/// Optional: with `static constexpr bool of_own_rotation = true` the call is
+/// Optional: `template <class Real> struct History`, as of a law; `static void check(const Pair&)`,
+/// which throws InputError. With `static constexpr bool of_own_rotation = true` the call is
 /// `torque(RollingContact<Real>, OwnRotations<Real>, Coefficients<Real>)`, which returns
 /// OwnCouples<Real>. A model with a spring gives `static Real stored(RollingContact<Real>,
 /// Coefficients<Real>, History<Real>)` [J] for the EnergyLedger.
@@ -258,6 +262,12 @@ concept RollingModel = requires {
 };
 
 namespace detail {
+
+/// Calls a rolling model's check(), if it has one.
+template <class M>
+void check_rolling(const typename M::Pair& pair) {
+  if constexpr (requires { M::check(pair); }) M::check(pair);
+}
 
 template <class L>
 inline constexpr bool law_needs_radii = requires {

@@ -85,12 +85,13 @@ class Contacts {
   explicit Contacts(const Material& material) { add(material); }
   Contacts(const Material& material, const RollingPair& rolling) requires has_rolling
       : default_rolling_(rolling) {
-    Rolling::check(rolling);
+    detail::check_rolling<Rolling>(rolling);
     add(material);
   }
   explicit Contacts(std::initializer_list<Material> materials,
                     const RollingPair& rolling = {}) requires several_materials
       : default_rolling_(rolling) {
+    detail::check_rolling<Rolling>(rolling);
     require(materials.size() > 0, "Contacts: the list of materials is empty; give at least one");
     for (const auto& m : materials) add(m);
   }
@@ -127,7 +128,7 @@ class Contacts {
   /// with these values.
   Contacts& set_rolling(const Material& a, const Material& b,
                         const RollingPair& rolling) requires has_rolling {
-    Rolling::check(rolling);
+    detail::check_rolling<Rolling>(rolling);
     for_equal(a, b, [&](Entry& e) { e.rolling = rolling; });
     return *this;
   }
@@ -155,7 +156,7 @@ class Contacts {
   }
   void set_rolling_of(const WhichMaterial& a, const WhichMaterial& b,
                       const RollingPair& rolling) requires has_rolling {
-    Rolling::check(rolling);
+    detail::check_rolling<Rolling>(rolling);
     const std::size_t i = material_number(a), j = material_number(b);
     entry(i, j).rolling = entry(j, i).rolling = rolling;
   }

@@ -1,6 +1,18 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+// Infinity stands for what has no limit (a fixed mass, a plane's radius), NaN for what went wrong.
+#if defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__
+#error "silt: -ffast-math and -Ofast compute as if no number were infinite or NaN; take -O3"
+#endif
+// Macros that other libraries define (X11: None), and that would replace words of silt.
+#if defined(min) || defined(max)
+#error "silt: min or max is a macro here; #undef both before the first header of silt"
+#endif
+#if defined(None)
+#error "silt: None is a macro here, as of X11; include silt first, or #undef None before it"
+#endif
+
 /// SILT_TARGET names the instruction set of the compile flags. All of silt is in an inline
 /// namespace of this name, hence units with different flags in one program share no functions.
 /// Otherwise the linker would keep one of several functions with the same name, possibly one that

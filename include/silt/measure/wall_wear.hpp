@@ -23,6 +23,8 @@ namespace detail {
 template <class Sim>
 const TriangleMesh& worn_mesh(const Sim& sim, const WhichWall& which, std::size_t surface) {
   const auto& surfaces = sim.wall(which).surfaces;
+  require(!sim.wall(which).is_removed(), "worn_volumes: ", sim.wall_name(sim.wall_number(which)),
+          " was removed, and its facets with it; read its wear before remove_wall()");
   require(surface < surfaces.size() && is_mesh(surfaces[surface]), "worn_volumes: surface ",
           surface, " of ", sim.wall_name(sim.wall_number(which)),
           " is not a triangle mesh; wear is computed for meshes only");
@@ -34,7 +36,7 @@ const TriangleMesh& worn_mesh(const Sim& sim, const WhichWall& which, std::size_
 /// other triangles, in the order of TriangleMesh::triangles(). A contact at an edge or vertex
 /// counts for the triangle with the lowest number there. On many ranks it includes the particles of
 /// all (collective).
-/// Errors: InputError if the surface is not a mesh.
+/// Errors: InputError if the surface is not a mesh, or the wall was removed.
 template <class M, class Sim>
 std::vector<double> worn_volumes(const Sim& sim, const WhichWall& which, std::size_t surface = 0) {
   static_assert(Sim::Modules::template times<M> == 1, "this simulation has no such module");

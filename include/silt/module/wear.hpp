@@ -104,8 +104,10 @@ struct Wear {
   template <class Sim>
   void check(const Sim& sim) const {
     bool meshes = false;
-    for (std::size_t w = 0; w < sim.walls(); ++w)
+    for (std::size_t w = 0; w < sim.walls(); ++w) {
+      meshes |= sim.wall(w).is_removed();  // may have been one
       for (const auto& surface : sim.wall(w).surfaces) meshes |= detail::is_mesh(surface);
+    }
     require(meshes,
             "Wear: no wall of this simulation is a triangle mesh, and wear is counted for their "
             "facets only; use a TriangleMesh or stl_wall()");

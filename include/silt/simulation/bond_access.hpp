@@ -2,8 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <span>
 #include <string>
@@ -113,9 +115,9 @@ class BondAccess {
       stage.add(typename std::remove_cvref_t<decltype(stage.at_walls)>::Bond{
           id, w, wall.pose.to_body(place),
           BondRest<double>::of(rotate(turned, d), 1, turned * p.orientation),
-          stage.model.numbers({r, r, norm(d), p.mass,
-                               Sim::ShapeType::inertia_factor() * p.mass * r * r,
-                               share_of(id, no_particle - w)}),
+          numbers_of({r, r, norm(d), p.mass, Sim::ShapeType::inertia_factor() * p.mass * r * r,
+                      share_of(id, no_particle - w)},
+                     [&] { return text("particle ", id, " to ", sim().wall_name(w)); }),
           0, contact == WallContact::Excluded});
       if (contact == WallContact::Excluded)
         e.particles.bonds.add(id, e.particles.bonds.id_of_wall(w));
@@ -225,7 +227,8 @@ class BondAccess {
   }
   void need_no_fresh_bonds(const char* what) const {
     require(!sim().bonds_.fresh, "Simulation::", what,
-            ": bonds were made whose ends may be on two ranks; run() first, if only for 0 s");
+            ": bonds were made whose ends may be on two ranks; run() first for at least a step, as "
+            "by run(step_length())");
   }
   /// The time step limits from the bonds of all ranks (collective).
   template <class S = Sim>
@@ -343,8 +346,34 @@ class BondAccess {
     const auto rest =
         BondRest<double>::of(rotate(conjugate(q_j), d), r_i / (r_i + r_j), conjugate(q_j) * q_i);
     stage.add({i, j, rest,
-               stage.model.numbers({r_i, r_j, length, 1 / inv_m, 1 / inv_I, share_of(i, j)}), 0});
+               numbers_of({r_i, r_j, length, 1 / inv_m, 1 / inv_I, share_of(i, j)},
+                          [&] { return text("particles ", i, " and ", j); }),
+               0});
     e.particles.bonds.add(i, j);
+  }
+  /// The numbers of a new bond; `ends()` names it. InputError if the model's functions give no
+  /// numbers for it: with a load that is not a number it would never break, with such a stiffness
+  /// it would limit no step.
+  template <class Ends>
+  auto numbers_of(const BondedPair& pair, const Ends& ends) const {
+    const auto& model = sim().bonds_.model;
+    const auto numbers = model.numbers(pair);
+    BondStrain<double> none{};
+    none.normal = {1, 0, 0}, none.r0 = 1;
+    const double load = model.load(model.answer(none, numbers), none.normal, numbers);
+    if (std::isnan(load))
+      throw InputError(text("Bonds: load() of the unstrained bond of ", ends(), " is ", load,
+                            "; mend the model's numbers(), answer() or load()"));
+    const BondStiffness k = model.stiffest(numbers);
+    const std::array most{k.shift, k.turn, k.shift_damping, k.turn_damping};
+    double sum = 0;
+    for (const double x : most) sum += x >= 0 ? x : std::numeric_limits<double>::quiet_NaN();
+    if (!(sum > 0 && std::isfinite(sum)))
+      throw InputError(text("Bonds: stiffest() of the bond of ", ends(), " is {", k.shift, " N/m, ",
+                            k.turn, " N m, ", k.shift_damping, " N s/m, ", k.turn_damping,
+                            " N m s}; they must be finite, at least 0, and not all 0, as the time "
+                            "step is chosen from them"));
+    return numbers;
   }
   /// [-] in (0, 1), depends on the seed and the ends only.
   double share_of(ParticleId i, ParticleId j) const {

@@ -120,7 +120,9 @@ struct Both {
     return in<First>(c, p.first, static_cast<const Part<Real, 1, Kept<First, Real, 1>>&>(h)) +
            in<Second>(c, p.second, static_cast<const Part<Real, 2, Kept<Second, Real, 2>>&>(h));
   }
-  static void check(const Pair& p) { First::check(p.first), Second::check(p.second); }
+  static void check(const Pair& p) {
+    detail::check_rolling<First>(p.first), detail::check_rolling<Second>(p.second);
+  }
 
  private:
   template <class Model, class Real, class Coefficients, class History>

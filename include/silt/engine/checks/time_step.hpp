@@ -145,6 +145,9 @@ class ShortestContactSearch {
       contact = Law::contact_time(*p_, m.radius_i, m.radius_j, m.m_eff, speed_);
     else
       contact = Law::contact_time(*p_, m.R_eff, m.m_eff, speed_);
+    require(contact > 0, "the contact law's contact_time() is ", contact,
+            " s for R_eff = ", m.R_eff, " m, m_eff = ", m.m_eff, " kg and a speed of ", speed_,
+            " m/s; it must be greater than 0, or infinite where it is not known: mend it");
     const double time = time_to_resolve<Law, Integrator>(*p_, m, contact);
     if (time < found_.time) found_ = {time, contact, i_, j_, m.radius_i, m.radius_j, partner};
   }

@@ -35,6 +35,12 @@ double mass_that_wears(double inverse_mass, const Block& kinematics, std::size_t
   return inverse_mass > 0 ? 1 / inverse_mass : static_cast<double>(kinematics.m_eff[k]);
 }
 
+/// The normal of a contact, which in mixed precision is one of floats.
+template <class Real>
+Vec3d normal_of_wear(const Vec3<Real>& n) {
+  return {static_cast<double>(n.x), static_cast<double>(n.y), static_cast<double>(n.z)};
+}
+
 /// Wear of mesh walls by modules in a step; empty unless a module wears walls.
 template <class Fluxes, bool Wears = Fluxes::wears>
 class WallWear {

@@ -150,8 +150,8 @@ class WallPipeline {
         if (const WallCandidate* const c = s.rubs.of[k])
           wear_.add(
               b, *in.fluxes, *c, walls[wall], contacts.facets(*c),
-              {on_wall, s.kinematics.template get<Scalar>(k).normal, -force, s.rubs.velocity[k],
-               mass_that_wears(in.motions[particle].inv_m, s.kinematics, k),
+              {on_wall, normal_of_wear(s.kinematics.template get<Scalar>(k).normal), -force,
+               s.rubs.velocity[k], mass_that_wears(in.motions[particle].inv_m, s.kinematics, k),
                in.positions[particle].r, in.times.worked, s.rubs.begins[k]});
     }
   }

@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -136,7 +137,7 @@ struct Charge {
     }
   };
   template <class Sim>
-  void check(const Sim&) const {
+  void check([[maybe_unused]] const Sim& sim) const {
     require_positive("Charge.cutoff", cutoff, "m");
     require_positive("Charge.permittivity", permittivity, "-");
     require(is_finite(field), "Charge.field = ", field, " [V/m] must be finite");
@@ -147,6 +148,16 @@ struct Charge {
           is_finite(planes[k].point) && is_finite(planes[k].normal) && norm(planes[k].normal) > 0,
           "Charge.planes[", k, "]: its point ", planes[k].point, " [m] and normal ",
           planes[k].normal, " must be finite, and the normal not 0");
+    if constexpr (Sim::Domain::periodic)
+      for (std::size_t k = 0; k < planes.size(); ++k) {
+        const Vec3d& n = planes[k].normal;
+        const std::array along{n.x, n.y, n.z};
+        for (int d = 0; d < 3; ++d)
+          require(along[static_cast<std::size_t>(d)] == 0 || !sim.domain().repeats(d),
+                  "Charge.planes[", k, "]: its normal ", n,
+                  " has a part along a direction in which the box is periodic, where the plane does "
+                  "not repeat; turn it, or make the box open there");
+      }
   }
 };
 
