@@ -40,17 +40,25 @@ def describe(path: str) -> str:
     return _series(series) if ending in (".pvd", ".npz") else f"{path}: " + _frame(series[-1])
 
 
+NOBODY = np.iinfo(np.uint64).max
+
+
 def _span(values: np.ndarray) -> str:
     """Least and greatest of finite values."""
     finite = values[np.isfinite(values)] if values.dtype.kind == "f" else values.reshape(-1)
     if finite.size == 0:
         return "no finite values" if values.size else "none"
     lost = values.size - finite.size
+    if values.dtype == np.uint64:  # the greatest number stands for no particle
+        finite = finite[finite != NOBODY]
+        if finite.size == 0:
+            return "none"
+    none = values.size - lost - finite.size
     low, high = finite.min(), finite.max()
     words = f"{low:.6g} to {high:.6g}" if low != high else f"{low:.6g}"
     if values.dtype.kind in "iu":
         words = f"{low} to {high}" if low != high else f"{low}"
-    return words + (f" ({lost} not finite)" if lost else "")
+    return words + (f" ({lost} not finite)" if lost else f" ({none} none)" if none else "")
 
 
 def _rows(rows: list[tuple[str, ...]]) -> str:

@@ -514,4 +514,35 @@ TEST_CASE(
   }
 }
 
+// Catches a mean since the checkpoint or since the start of a run, and an angle that begins anew.
+TEST_CASE("wall_series: a table continued in another run or from a checkpoint is that of one run") {
+  const auto table = [](const std::string& path) {
+    std::ifstream in(path);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  const auto made = [] {
+    auto sim = scene(one({0.3, 0, 0.0099}, 0.01));
+    sim.time_step = 5e-5;
+    sim.add_wall(floor_plane, rubber,
+                 {.name = "floor", .motion = silt::rotation({0.3, 0, 0}, {0, 0, 1}, 40)});
+    return sim;
+  };
+  const auto whole = temporary("silt_wall_whole.csv"), parts = temporary("silt_wall_parts.csv"),
+             file = temporary("silt_wall_parts.silt");
+  auto sim = made();
+  sim.run(0.2, silt::wall_series(whole, "floor", silt::every(0.03)));
+  {
+    auto first = made();
+    first.run(0.04, silt::wall_series(parts, "floor", silt::every(0.03)));
+    first.run(0.1 - first.time(), silt::wall_series(parts, "floor", silt::every(0.03)));
+    silt::save_checkpoint(first, file);
+  }
+  auto second = made();
+  silt::load_checkpoint(second, file);
+  second.run(0.2 - second.time(), silt::wall_series(parts, "floor", silt::every(0.03)));
+  CHECK(table(parts) == table(whole));
+  CHECK(sim.wall("floor").turned.z == doctest::Approx(8).epsilon(1e-3));
+  for (const auto& path : {whole, parts, file}) std::filesystem::remove(path);
+}
+
 }  // namespace wall_setup_test

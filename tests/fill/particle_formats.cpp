@@ -112,8 +112,13 @@ TEST_CASE("particle_formats: scaled positions are those in the box, upright or t
 }
 
 TEST_CASE("particle_formats: a dump with units and time, and a frame of none before, is read") {
+  // As LAMMPS writes them (dump_modify units yes time yes): the units once, the time in each frame.
+  const std::string header = "ITEM: UNITS\nsi\nITEM: TIME\n0\n";
+  CHECK(read(header + dump).position == read(dump).position);
+  CHECK(read(header + dump + "ITEM: TIME\n0.5\n" + dump).size() == 2);
   const auto units = replaced(dump, "ITEM: TIMESTEP\n0\n", "ITEM: UNITS\nsi\n");
-  refused(units, "line 1: expected 'ITEM: TIMESTEP', found 'ITEM: UNITS'");
+  refused(units, "line 3: expected 'ITEM: TIMESTEP', found 'ITEM: NUMBER OF ATOMS'");
+  refused("ITEM: UNITS\nsi\n", "'ITEM: TIMESTEP' must follow");
   const auto time = replaced(dump, "ITEM: NUMBER", "ITEM: TIME\n0.5\nITEM: NUMBER");
   CHECK(read(time).size() == 2);
 }

@@ -14,6 +14,9 @@
 
 #include <silt/contact/linear_spring.hpp>
 #include <silt/io/checkpoint.hpp>
+#include <silt/io/observers.hpp>
+#include <silt/module/body_force.hpp>
+#include <silt/module/field.hpp>
 
 namespace checkpoint_test {
 
@@ -281,6 +284,37 @@ TEST_CASE("checkpoint: the policies' names do not depend on the compile flags") 
   CHECK(names.find("particles silt::Sphere;") != names.npos);
   CHECK(names.find("contacts silt::Contacts<silt::Basic") != names.npos);
   CHECK(names.find(SILT_TEXT(SILT_TARGET)) == names.npos);
+}
+
+// Catches names that end at the bracket of a unit, and functions that are named by their lines.
+TEST_CASE("checkpoint: modules are compared by their fields, all of them, and not by functions") {
+  const Folder folder;
+  const std::string path = folder / "c";
+  const auto with = [](auto... modules) {
+    silt::Particles<Sphere> one;
+    one.add({.position = {8e-3, 0, 0}, .radius = 1e-3, .density = 2500});
+    return silt::Simulation{std::move(one), silt::Contacts<silt::LinearSpring>{{.stiffness = 10}},
+                            modules...};
+  };
+  const silt::Field<"age [s]"> age{};
+  const silt::Field<"way [m]"> way{};
+  auto sim = with(age, way);
+  save_checkpoint(sim, path);
+  CHECK_NOTHROW(load_checkpoint(sim, path));
+  auto other = with(age, silt::Field<"heat [J]">{});
+  CHECK(has_words(refusal<FileError>([&] { load_checkpoint(other, path); }),
+                  {"another program", "Field 'age [s]', Field 'way [m]'", "'heat [J]'"}));
+  auto less = with(age);
+  CHECK(has_words(refusal<FileError>([&] { load_checkpoint(less, path); }), {"'way [m]'"}));
+  auto vector = with(age, silt::Field<"way [m]", Vec3d>{});
+  CHECK(has_words(refusal<FileError>([&] { load_checkpoint(vector, path); }),
+                  {"'way [m]' (vector)"}));
+  auto pushed = with(age, way, silt::BodyForce{[](const silt::Seen&) { return Vec3d{1, 0, 0}; }});
+  CHECK(has_words(refusal<FileError>([&] { load_checkpoint(pushed, path); }), {"BodyForce"}));
+  save_checkpoint(pushed, path);
+  auto otherwise =
+      with(age, way, silt::BodyForce{[](const silt::Seen&) { return Vec3d{2, 0, 0}; }});
+  CHECK_NOTHROW(load_checkpoint(otherwise, path));  // on another line
 }
 
 TEST_CASE(

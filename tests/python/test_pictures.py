@@ -686,6 +686,19 @@ class Tables(Refuses, unittest.TestCase):
         options.run(options)
         return self.kept.pop()
 
+    def test_a_picture_has_the_format_of_its_ending(self):
+        """Catches a picture in PNG under the name of another format."""
+        cells_module.save, curves_module.save = self.saves
+        table = self.table("t.csv", "time [s],y [m]", (0, 1), (1, 2))
+        for ending, first in ((".png", b"\x89PNG"), (".pdf", b"%PDF"), (".svg", b"<?xml"), ("", b"\x89PNG")):
+            out = os.path.join(self.folder, "c" + ending)
+            options = parse(["curves", table, "--x", "time", "--y", "y", "-o", out])
+            options.run(options)
+            with open(out, "rb") as file:
+                self.assertEqual(file.read(len(first)), first)
+        self.refused("pictures have the endings", "curves", table, "--x", "time", "--y", "y", "-o", self.out[:-3] + "xyz")
+        self.refused("it is a folder", "curves", table, "--x", "time", "--y", "y", "-o", self.folder)
+
     def test_a_layer_of_a_grid_in_space(self):
         """Catches a thin axis taken for one of the picture, blank cells drawn."""
         layer = self.table("layer.csv", "x [m],y [m],z [m],solid fraction [-],speed [m/s]",
@@ -693,6 +706,7 @@ class Tables(Refuses, unittest.TestCase):
         name, values, bounds = cells_module.read_cells(layer, "speed", "solid fraction=0.15")
         self.assertEqual((name, values.shape, bounds), ("speed [m/s]", (3, 2), (-0.5, 1.5, -0.5, 2.5)))
         self.assertEqual((np.isnan(values).sum(), values[2, 1]), (2, 5))
+        self.assertEqual(cells_module.read_cells(layer, "solid", "spe=1")[0], "solid fraction [-]")
         self.refused("a column and a number", "cells", layer, "--value", "speed", "--least", "speed", "-o", self.out)
         self.refused("has no column 'heat'", "cells", layer, "--value", "heat", "-o", self.out)
 

@@ -415,6 +415,15 @@ class Encodings(unittest.TestCase):
             self.assertEqual(silt.read(name).find([3])[0], -1)
 
 
+class Spans(unittest.TestCase):
+    def test_the_number_for_no_particle_is_not_shown(self):
+        from silt.info import _span
+
+        nobody = np.iinfo(np.uint64).max
+        self.assertEqual(_span(np.array([3, nobody, 7], np.uint64)), "3 to 7 (1 none)")
+        self.assertEqual(_span(np.array([nobody], np.uint64)), "none")
+
+
 class CheckpointHead(Refuses, unittest.TestCase):
     def test_info_of_checkpoints(self):
         from silt.info import describe

@@ -97,6 +97,7 @@ struct Wall {
   Vec3d reference{};         // [m] reference point of the torque
   Vec3d impulse{};           // [N s] time integral of the force since the start
   Vec3d angular_impulse{};   // [N m s] torque, likewise
+  Vec3d turned{};            // [rad] about each axis, whole turns included, since the start
   std::string name;          // empty: none
   WallDrive drive;           // what moves it, if not `motion`
   WallState state;           // of the drive, or of a motion that was changed

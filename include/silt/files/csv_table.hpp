@@ -42,9 +42,14 @@ class CsvTable {
   static CsvTable resume(const std::string& path, const std::vector<std::string>& columns,
                          double limit) {
     std::string content = header(path, columns);
+    const std::size_t rows = content.size();
     if (detail::file_exists(path)) content += rows_up_to(path, content, columns.size(), limit);
-    return {path, columns.size(), content};
+    CsvTable table(path, columns.size(), content);
+    if (content.size() > rows) table.kept_ = last_row(content, columns.size());
+    return table;
   }
+  /// The last row that `resume` kept; empty if there is none.
+  const std::vector<double>& kept_row() const { return kept_; }
 
   void add_row(std::span<const double> row) {
     require(row.size() == columns_, "CsvTable '", file_.name(), "': a row of ", row.size(),
@@ -144,7 +149,21 @@ class CsvTable {
     return first;
   }
 
+  static std::vector<double> last_row(std::string_view content, std::size_t columns) {
+    content.remove_suffix(1);
+    content.remove_prefix(content.rfind('\n') + 1);
+    std::vector<double> row(columns);
+    for (double& number : row) {
+      const char* const after =
+          std::from_chars(content.data(), content.data() + content.size(), number).ptr;
+      const auto read = static_cast<std::size_t>(after - content.data());
+      content.remove_prefix(std::min(read + 1, content.size()));
+    }
+    return row;
+  }
+
   std::size_t columns_;
+  std::vector<double> kept_;
   std::uint64_t bytes_;  // [bytes] the header and all complete rows
   detail::File file_;
   std::string line_;

@@ -70,8 +70,12 @@ class LammpsDump {
   };
   enum Column { X, Y, Z, Radius, Diameter, Density, Mass, Vx, Vy, Vz, Wx, Wy, Wz, Type, columns };
 
-  /// From ITEM: TIMESTEP to ITEM: ATOMS.
+  /// From ITEM: TIMESTEP, or the units and the time that LAMMPS writes before it, to ITEM: ATOMS.
   Frame next_frame() {
+    while (lines_.line() == "ITEM: UNITS" || lines_.line() == "ITEM: TIME") {
+      lines_.need("its value");
+      lines_.need("'ITEM: TIMESTEP'");
+    }
     if (lines_.line() != "ITEM: TIMESTEP")
       lines_.fail("expected 'ITEM: TIMESTEP', found ", in_quotes(lines_.line()),
                   "; silt reads text dumps of the styles atom and custom");

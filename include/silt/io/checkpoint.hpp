@@ -78,7 +78,7 @@ class Checkpoint {
   /// Programs that can continue from the file: the policies that determine the state and the
   /// contact history.
   static std::string signature() {
-    return text("silt state 17; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
+    return text("silt state 18; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
                 "; domain ", name_of<typename Sim::Domain>(), "; precision ",
                 name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "",
@@ -87,7 +87,7 @@ class Checkpoint {
                 Sim::Fluid::active ? text("; fluid ", name_of<typename Sim::Fluid>()) : "",
                 "; integrator ", name_of<typename Sim::Integrator>(),
                 Sim::of_bodies ? text("; rotation ", name_of<typename Sim::Rotation>()) : "",
-                Sim::Modules::exist ? text("; modules ", name_of<typename Sim::Modules>()) : "",
+                Sim::Modules::exist ? text("; modules ", module_names()) : "",
                 "; contacts keep ", Engine::memory.words());
   }
 
@@ -255,14 +255,16 @@ class Checkpoint {
 
   template <class T>
   static std::string name_of() {
-    const std::string_view all = __PRETTY_FUNCTION__;
-    const std::size_t from = all.find("T = ") + 4;
-    std::string name(all.substr(from, all.find_first_of(";]", from) - from));
+    std::string name(detail::type_in(__PRETTY_FUNCTION__, "T = "));
     // With other compile flags it is still the same scene.
     static constexpr std::string_view target = SILT_TEXT(SILT_TARGET) "::";
     for (auto at = name.find(target); at != name.npos; at = name.find(target, at))
       name.erase(at, target.size());
     return name;
+  }
+  static std::string module_names() {
+    return detail::names_of_modules(static_cast<const typename Sim::Modules*>(nullptr),
+                                    []<class M>(const M*) { return name_of<M>(); });
   }
 
   static detail::ClockState clock_of(const Sim& sim) {

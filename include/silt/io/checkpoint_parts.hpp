@@ -207,7 +207,7 @@ struct WallsState {
   std::vector<std::uint64_t> drive;     // kind of its drive (WallDrive), 0: none
   std::vector<std::uint64_t> moves;     // 1: the lists treat it as moving
   std::vector<Pose> pose, last_pose;
-  std::vector<Vec3d> force, torque, reference, impulse, angular_impulse;
+  std::vector<Vec3d> force, torque, reference, impulse, angular_impulse, turned;
   std::vector<WallState> state;
   std::vector<std::uint64_t> deforming, deformed, vertices;  // vertices: number of vertex_steps
   std::vector<Vec3d> vertex_steps;
@@ -225,7 +225,7 @@ struct WallsState {
       s.drive.push_back(w.drive.index()), s.moves.push_back(w.moves());
       s.force.push_back(w.force), s.torque.push_back(w.torque), s.impulse.push_back(w.impulse);
       s.reference.push_back(w.reference), s.angular_impulse.push_back(w.angular_impulse);
-      s.state.push_back(w.state);
+      s.turned.push_back(w.turned), s.state.push_back(w.state);
       s.deforming.push_back(static_cast<std::uint64_t>(w.deforming));
       s.deformed.push_back(w.deformed), s.vertices.push_back(w.vertex_steps.size());
       s.worn_numbers.push_back(w.worn.size());
@@ -244,7 +244,7 @@ struct WallsState {
     a.rows("walls.pose", pose, walls), a.rows("walls.last_pose", last_pose, walls);
     a.rows("walls.force", force, walls), a.rows("walls.torque", torque, walls);
     a.rows("walls.impulse", impulse, walls), a.rows("walls.reference", reference, walls);
-    a.rows("walls.angular_impulse", angular_impulse, walls);
+    a.rows("walls.angular_impulse", angular_impulse, walls), a.rows("walls.turned", turned, walls);
     a.column("walls.drive", drive, walls), a.column("walls.moves", moves, walls);
     a.rows("walls.state", state, walls);
     a.column("walls.deforming", deforming, walls), a.column("walls.deformed", deformed, walls);
@@ -292,7 +292,7 @@ struct WallsState {
     drive.push_back(wall.drive.index()), moves.push_back(wall.moves());
     force.push_back({0, 0, 0}), torque.push_back({0, 0, 0}), impulse.push_back({0, 0, 0});
     reference.push_back(wall.reference), angular_impulse.push_back({0, 0, 0});
-    state.push_back(wall.state);
+    turned.push_back({0, 0, 0}), state.push_back(wall.state);
     deforming.push_back(static_cast<std::uint64_t>(wall.deforming));
     deformed.push_back(wall.deformed);
   }

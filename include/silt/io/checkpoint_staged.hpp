@@ -121,7 +121,7 @@ class Checkpoint<Sim>::Staged {
       wall.pose = walls_.pose[w], wall.last_pose = walls_.last_pose[w];
       wall.force = walls_.force[w], wall.torque = walls_.torque[w];
       wall.impulse = walls_.impulse[w], wall.angular_impulse = walls_.angular_impulse[w];
-      wall.reference = walls_.reference[w];
+      wall.reference = walls_.reference[w], wall.turned = walls_.turned[w];
       put_motion(wall, w, sim, accepted);
       wall.deforming = static_cast<int>(walls_.deforming[w]), wall.deformed = walls_.deformed[w];
       wall.vertex_steps = std::move(vertex_steps_[w]);

@@ -102,8 +102,9 @@ inline void check_walls(const CheckpointLoader& a, const WallsState& s, std::spa
                silt::is_finite(s.impulse[w]),
            name_of_wall(walls, w), ": force ", s.force[w], " N, torque ", s.torque[w],
            " N m and impulse ", s.impulse[w], " N s must be finite");
-    a.need(silt::is_finite(s.reference[w]) && silt::is_finite(s.angular_impulse[w]),
-           name_of_wall(walls, w), ": reference and angular impulse must be finite");
+    a.need(silt::is_finite(s.reference[w]) && silt::is_finite(s.angular_impulse[w]) &&
+               silt::is_finite(s.turned[w]),
+           name_of_wall(walls, w), ": reference, angular impulse and angle must be finite");
     a.need(s.drive[w] < std::variant_size_v<WallDrive> && s.moves[w] <= 1, name_of_wall(walls, w),
            ": its drive is number ", s.drive[w], " of ", std::variant_size_v<WallDrive>);
     check_wall_state(a, name_of_wall(walls, w), s.state[w]);

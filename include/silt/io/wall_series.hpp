@@ -1,9 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <cmath>
 #include <memory>
-#include <numbers>
 #include <string>
 #include <utility>
 #include <variant>
@@ -47,6 +45,16 @@ class MeanLoad {
     }
     return mean;
   }
+  /// Goes on from a reading at `time` [s] with the impulse [N s] and angular impulse [N m s] that
+  /// the wall had then. A wall without any impulse was added since, and has its mean since now.
+  template <class Sim>
+  void go_on(const Sim& sim, double time, const Vec3d& impulse, const Vec3d& angular) {
+    const Vec3d none{0, 0, 0};
+    const Wall& wall = sim.wall(wall_);
+    if (wall.impulse == none && wall.angular_impulse == none && impulse != none) return;
+    impulse_ = impulse, angular_ = angular;
+    time_ = time - (time == 0 && impulse == none ? sim.step_length() : 0);
+  }
 
  private:
   template <class Sim>
@@ -61,44 +69,15 @@ class MeanLoad {
   double time_ = 0;
 };
 
-namespace detail {
-
-/// Total rotation [rad] of a wall about each axis: the sum of its rotations between readings. For a
-/// wall with a fixed axis it is the angle about that axis, whole turns included, for any drive.
-/// Readings may be more than half a turn apart if the rate is steady; it gives the number of whole
-/// turns.
-class TurnedAngle {
- public:
-  const Vec3d& look(const Pose& now, const Pose& step_ago, double steps_since) {
-    const Vec3d step = mean_angular_velocity(step_ago, now, 1);
-    Vec3d turn = mean_angular_velocity(last_, now, 1);  // less than half a turn
-    const double size = norm(turn), rate = norm(step);
-    if (rate > 0) {
-      const Vec3d axis = size > 1e-9 ? (1 / size) * turn : (1 / rate) * step;
-      const double angle = dot(turn, axis), whole = 2 * std::numbers::pi;
-      turn = (angle + whole * std::round((steps_since * dot(step, axis) - angle) / whole)) * axis;
-    }
-    last_ = now, sum_ += turn;
-    return sum_;
-  }
-  void start(const Pose& now) { last_ = now; }
-
- private:
-  Pose last_{};
-  Vec3d sum_{0, 0, 0};
-};
-
-}  // namespace detail
-
 /// Writes the motion and load of a wall to a CSV table: time, mean force and torque since the last
 /// row (about the wall's reference), impulse and angular impulse since the start, position of its
 /// origin, travel [m] or [rad] of a wall driven along a line or about an axis, and the angle of
-/// rotation about each axis since the first row. The power of a rotating wall is torque times angle
+/// rotation about each axis since the start. The power of a rotating wall is torque times angle
 /// over time, between two rows.
 ///
 ///   sim.run(1, silt::wall_series("lid.csv", "lid", silt::every(0.01)));
 ///
-/// After a restart the first row is the mean since the checkpoint.
+/// A table that continues, after a restart or in a later run, goes on from its last row.
 /// Errors: InputError for a wall that does not exist; FileError.
 class WallSeriesObserver {
  public:
@@ -112,8 +91,6 @@ class WallSeriesObserver {
     const std::size_t wall =
         name_.empty() ? sim.wall_number(number_) : sim.wall_number(std::string_view(name_));
     mean_ = std::make_shared<MeanLoad>(sim, wall), number_ = wall;
-    angle_ = std::make_shared<detail::TurnedAngle>(), last_time_ = sim.time();
-    angle_->start(sim.wall(wall).pose);
     static const std::vector<std::string> columns{"time [s]",
                                                   "force x [N]",
                                                   "force y [N]",
@@ -138,6 +115,8 @@ class WallSeriesObserver {
     const double keep = sim.time() + 0.5 * sim.step_length();  // the row of now is there already
     table_ = std::make_shared<CsvTable>(
         sim.continues(path_) ? CsvTable::resume(path_, columns, keep) : CsvTable(path_, columns));
+    if (const auto& row = table_->kept_row(); !row.empty())
+      mean_->go_on(sim, row[0], {row[7], row[8], row[9]}, {row[10], row[11], row[12]});
   }
   template <class Sim>
   bool is_due(const Sim& sim) const {
@@ -152,10 +131,7 @@ class WallSeriesObserver {
          {mean.force, mean.torque, wall.impulse, wall.angular_impulse, wall.pose.translation})
       row.insert(row.end(), {v.x, v.y, v.z});
     row.push_back(wall.state.way);
-    const Vec3d angle =
-        angle_->look(wall.pose, wall.last_pose, (sim.time() - last_time_) / sim.step_length());
-    last_time_ = sim.time();
-    row.insert(row.end(), {angle.x, angle.y, angle.z});
+    row.insert(row.end(), {wall.turned.x, wall.turned.y, wall.turned.z});
     if (table_) table_->add_row(std::span<const double>(row));
     schedule_.mark(sim);
   }
@@ -166,8 +142,6 @@ class WallSeriesObserver {
   Schedule schedule_;
   std::shared_ptr<CsvTable> table_;
   std::shared_ptr<MeanLoad> mean_;
-  std::shared_ptr<detail::TurnedAngle> angle_;
-  double last_time_ = 0;  // [s]
 };
 
 inline WallSeriesObserver wall_series(std::string path, const WhichWall& which, Schedule schedule) {

@@ -9,7 +9,7 @@ from typing import Optional
 import numpy as np
 
 from ..errors import Error
-from ..names import find_name, split_unit
+from ..names import find_start, split_unit
 from ..tables import table
 from .style import COLOUR_MAPS, Normalize, Sheet, add_bar, captions, draw_scale_bar, parse_numbers, plt, save
 
@@ -18,7 +18,7 @@ def read_cells(path: str, wanted: str, least: Optional[str] = None):
     """Name and values of a field on the cells of a plane, upwards and across, and its bounds."""
     read = table(path)
     names, rows = list(read.names), read.rows
-    name = find_name(wanted, names, "column", path)
+    name = find_start(wanted, names, "column", path)
     if [split_unit(n)[0] for n in names[:3]] == ["x", "y", "z"]:  # a layer of a grid in space
         thin = [c for c in range(3) if len(np.unique(rows[:, c])) == 1]
         keep = [c for c in range(len(names)) if c not in thin[:1]]
@@ -36,7 +36,7 @@ def read_cells(path: str, wanted: str, least: Optional[str] = None):
         except ValueError:
             raise Error(f"--least '{least}' must be a column and a number, such as "
                           "'solid fraction=0.1'")
-        wanted_values[rows[:, names.index(find_name(column, names, "column", path))] < low] = np.nan
+        wanted_values[rows[:, names.index(find_start(column, names, "column", path))] < low] = np.nan
         if np.isnan(wanted_values).all():
             raise Error(f"file '{path}': --least '{least}' leaves no cell to draw")
     values[np.searchsorted(y, rows[:, 1]), np.searchsorted(x, rows[:, 0])] = wanted_values

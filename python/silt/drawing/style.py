@@ -88,10 +88,16 @@ def captions(titles: Optional[Sequence[str]], files: Sequence[str],
 
 
 def save(figure, path: str, dpi: int = DPI) -> None:
-    """Writes a picture (.png); it is whole or not there."""
+    """Writes a picture in the format of its ending (png without one); it is whole or not there."""
+    ending = os.path.splitext(path)[1].lower().lstrip(".") or "png"
+    formats = sorted(figure.canvas.get_supported_filetypes())
+    if ending not in formats:
+        raise Error(f"file '{path}' cannot be written: pictures have the endings {', '.join(formats)}")
+    if os.path.exists(path) and not os.path.isfile(path):
+        raise Error(f"file '{path}' cannot be written: it is a folder, a device or a pipe; name a file")
     partial = path + ".partial"
     try:
-        figure.savefig(partial, format="png", dpi=dpi, facecolor="white")
+        figure.savefig(partial, format=ending, dpi=dpi, facecolor="white")
         os.replace(partial, path)
         plt.close(figure)
     except OSError as error:

@@ -157,6 +157,7 @@ inline void move_walls(std::span<Wall> walls, double time, double elapsed) {
       drift_wall(wall, elapsed);
     else
       wall.pose = wall.pose_at(time);
+    wall.turned += mean_angular_velocity(wall.last_pose, wall.pose, 1);
   }
 }
 

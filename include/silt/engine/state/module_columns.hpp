@@ -105,12 +105,30 @@ struct ModuleList {
   using having = typename Having<Fields, Ms...>::type;
 };
 
+/// The type that stands behind `mark` in a compiler's name of a function. It ends at a semicolon or
+/// bracket that is neither in quotes nor in brackets of its own.
+inline std::string_view type_in(std::string_view function, std::string_view mark) {
+  const std::string_view rest = function.substr(function.find(mark) + mark.size());
+  bool quoted = false;
+  int open = 0;
+  for (std::size_t k = 0; k < rest.size(); ++k) {
+    const char c = rest[k];
+    if (quoted && c == '\\')
+      ++k;
+    else if (c == '"')
+      quoted = !quoted;
+    else if (!quoted && open == 0 && (c == ';' || c == ']'))
+      return rest.substr(0, k);
+    else if (!quoted)
+      open += c == '[' ? 1 : c == ']' ? -1 : 0;
+  }
+  return rest;
+}
+
 /// The name of a module in messages and files.
 template <class M>
 std::string name_of_module() {
-  const std::string_view all = __PRETTY_FUNCTION__;
-  const std::size_t from = all.find("M = ") + 4;
-  std::string name(all.substr(from, all.find_first_of(";]", from) - from));
+  std::string name(type_in(__PRETTY_FUNCTION__, "M = "));
   if (const auto arguments = name.find('<'); arguments != name.npos) name.erase(arguments);
   if (const auto colon = name.rfind("::"); colon != name.npos) name.erase(0, colon + 2);
   return name;
@@ -144,6 +162,25 @@ struct FieldNames {
       return numbers == 1 ? name_of_module<M>() : text(name_of_module<M>(), " ", k + 1);
   }
 };
+
+/// Names of modules in a checkpoint, with those of their fields: `Field 'age [s]', BodyForce`.
+/// `name_of` gives the name of a type with its arguments. They are left out where compilers write
+/// texts and functions in their own ways, functions even by the line of the program.
+template <class... Ms, class NameOf>
+std::string names_of_modules(const ModuleList<Ms...>*, const NameOf& name_of) {
+  std::string all;
+  const auto add = [&]<class M>(const M*) {
+    const std::string full = name_of(static_cast<const M*>(nullptr));
+    const bool own_way = full.find('{') != full.npos || full.find("lambda") != full.npos;
+    all += text(all.empty() ? "" : ", ", own_way ? name_of_module<M>() : full);
+    if constexpr (has_fields<M>)
+      for (std::size_t k = 0; k < FieldNames<M>::count; ++k)
+        all += text(k == 0 ? " " : " and ", "'", FieldNames<M>::at(k), "'",
+                    FieldNames<M>::components == 3 ? " (vector)" : "");
+  };
+  (add(static_cast<const Ms*>(nullptr)), ...);
+  return all;
+}
 
 /// The columns of modules, one row per sphere or body: their fields, their force, and the flux
 /// received through contacts. The fields of a new particle are zero until its modules initialise
