@@ -144,6 +144,9 @@ namespace unknown_field {
 namespace field_of_text {
 #include "refused/field_of_text.cpp"
 }
+namespace module_check {
+#include "refused/module_check.cpp"
+}
 namespace module_twice {
 #include "refused/module_twice.cpp"
 }

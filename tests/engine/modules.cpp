@@ -311,6 +311,59 @@ TEST_CASE("modules: a field without an update that is set to NaN stops the run, 
   CHECK(again.field<"q">(0) == 3);
 }
 
+struct Follows {
+  double speed = 1;  // [1/s]
+  std::size_t flux_every = 10;
+  struct Fields {
+    double value = 0;
+  };
+  static constexpr std::array names{"value"};
+  static constexpr auto exchanged = &Fields::value;
+  template <class Real>
+  Real flux(const silt::Touching<Real>&, const Real& a, const Real& b) const {
+    return b - a;
+  }
+  void update(const Seen&, Fields& f, double received, double dt) const {
+    f.value += received * dt;
+  }
+  double rate(const Seen&) const { return speed; }
+};
+// Catches limits that a rate of NaN lifts, a step of 0 s that is proposed, and an interval of 0.
+TEST_CASE("modules: a rate that is not a number or below 0, and no interval, are refused by name") {
+  const auto sentence = [](auto module) {
+    auto sim = one_sphere({1, 0, 0}, module);
+    sim.time_step = 1e-4;
+    return refusal<silt::InputError>([&] { sim.run(0.01); });
+  };
+  for (const double wrong : {double{NAN}, -1.0, double{INFINITY}})
+    CHECK(has_words(sentence(Follows{.speed = wrong}),
+                    {"the rate() of the module Follows is ", " 1/s for particle 0 at (",
+                     "finite and at least 0: mend its rate()"}));
+  CHECK(has_words(sentence(Follows{.flux_every = 0}), {"Follows.flux_every = 0 [steps]"}));
+}
+// Catches a step of 0 s for an impact at a speed of inf.
+TEST_CASE("modules: a force that is infinite is named before the time step is chosen") {
+  const auto pushed = [](const Seen&) { return Vec3d{INFINITY, 0, 0}; };
+  auto sim = one_sphere({1, 0, 0}, silt::BodyForce{pushed});
+  CHECK(has_words(
+      refusal<silt::SimulationError>([&] { sim.run(0.01); }),
+      {"the force of the module BodyForce on particle 0", "is (inf, 0, 0) N", "mend its force()"}));
+}
+
+// Catches a header with more columns than the rows have numbers.
+TEST_CASE("modules: a table of particles refuses names of fields that would be two columns") {
+  const auto file = (std::filesystem::temp_directory_path() / "silt_field_names.csv").string();
+  std::filesystem::remove(file);
+  const auto sentence = [&](auto field) {
+    const auto sim = one_sphere({1, 0, 0}, field);
+    return refusal<silt::InputError>([&] { silt::write_particle_csv(file, sim); });
+  };
+  CHECK(has_words(sentence(silt::Field<"wet, dry">{}),
+                  {"the column name 'wet, dry' must not contain commas"}));
+  CHECK(has_words(sentence(silt::Field<"radius">{}), {"two columns named 'radius'"}));
+  CHECK_FALSE(std::filesystem::exists(file));
+}
+
 // The trap is what makes the time step short, where contacts are soft.
 TEST_CASE("modules: the time step that silt chooses resolves what modules push with") {
   auto sim = one_sphere({0.1, 0, 0}, Trap{4e4});

@@ -72,18 +72,7 @@ class CsvTable {
     add_row(std::span<const double>(row.begin(), row.size()));
   }
 
- private:
-  CsvTable(const std::string& path, std::size_t columns, const std::string& content)
-      : columns_(columns), bytes_(content.size()), file_(opened(path, content)) {}
-
-  static detail::File opened(const std::string& path, const std::string& content) {
-    make_folder_of(path);
-    AtomicFile start(path);
-    start.write(content);
-    start.commit();
-    return {path, O_WRONLY | O_APPEND, path};
-  }
-
+  /// The first line of such a table. InputError for unusable column names.
   static std::string header(const std::string& path, const std::vector<std::string>& columns) {
     require(!columns.empty(), "CsvTable '", path, "': there are no columns");
     std::string line;
@@ -102,6 +91,18 @@ class CsvTable {
       line += name;
     }
     return line += '\n';
+  }
+
+ private:
+  CsvTable(const std::string& path, std::size_t columns, const std::string& content)
+      : columns_(columns), bytes_(content.size()), file_(opened(path, content)) {}
+
+  static detail::File opened(const std::string& path, const std::string& content) {
+    make_folder_of(path);
+    AtomicFile start(path);
+    start.write(content);
+    start.commit();
+    return {path, O_WRONLY | O_APPEND, path};
   }
 
   static std::string rows_up_to(const std::string& path, std::string_view header_line,

@@ -53,10 +53,10 @@ void write_particle_csv(const std::string& file, const Sim& sim) {
   lines = detail::gather_lines(sim, std::move(lines));
   detail::on_all_ranks(sim, "a table of particles", [&] {
     if (sim.rank() != 0) return;
+    const std::string header = CsvTable::header(file, columns);
     AtomicFile out(file);
-    for (std::size_t c = 0; c < columns.size(); ++c) out.write((c > 0 ? "," : "") + columns[c]);
-    for (const auto& line : lines) out.write('\n' + line.words);
-    out.write("\n");
+    out.write(header);
+    for (const auto& line : lines) out.write(line.words + '\n');
     out.commit();
   });
 }

@@ -18,7 +18,7 @@ namespace silt::inline SILT_TARGET::detail {
 struct NamesOfModules {
   int force, rate, start, update, flux, at_wall, exchanged, at_contact, given_by_wall,
       share_of_loss, worn, pair_force, pair_force_on_both, pair_flux, pair_stiffness, pair_slope,
-      reach, gap_reach;
+      reach, gap_reach, check;
 };
 template <class M>
 struct BesideNames : M, NamesOfModules {};
@@ -42,6 +42,7 @@ struct MembersNamed {
   static constexpr bool pair_slope = !requires { &BesideNames<M>::pair_slope; };
   static constexpr bool reach = !requires { &BesideNames<M>::reach; };
   static constexpr bool gap_reach = !requires { &BesideNames<M>::gap_reach; };
+  static constexpr bool check = !requires { &BesideNames<M>::check; };
 };
 template <class M>
 requires std::is_final_v<M>
@@ -64,6 +65,7 @@ struct MembersNamed<M> {
   static constexpr bool pair_slope = requires { &M::pair_slope; };
   static constexpr bool reach = requires { &M::reach; };
   static constexpr bool gap_reach = requires { &M::gap_reach; };
+  static constexpr bool check = requires { &M::check; };
 };
 /// A class that does not satisfy the concept, but has functions of a module.
 template <class P>

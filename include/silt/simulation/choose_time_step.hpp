@@ -78,7 +78,7 @@ double Simulation<Policies...>::expected_speed() const {
     if constexpr (has_ranks)
       return ranks_scene_.size.acceleration;
     else
-      return modules_.largest_acceleration(engine_, time_);
+      return modules_.largest_acceleration(engine_, step_, time_);
   }();
   const auto fall = [this, pushed](const Box& box) {
     const auto height = [](double low, double high) { return high > low ? high - low : 0.0; };
@@ -108,7 +108,7 @@ void Simulation<Policies...>::share_scene() {
           own.region.include(position(k)), own.radius = std::max(own.radius, radius(k));
         }
       using Stage = detail::ModuleStage<Modules, Domain>;
-      own.acceleration = modules_.largest_acceleration(engine_, time_);
+      own.acceleration = modules_.largest_acceleration(engine_, step_, time_);
       own.module_rate = modules_.fastest(engine_, time_, Stage::OfFluxes::Estimated).rate;
     });
     std::array<double, 4> most{own.speed, own.radius, own.acceleration, own.module_rate};

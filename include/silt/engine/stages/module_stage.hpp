@@ -125,16 +125,16 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
 
   /// The largest acceleration [m/s2] that modules give to a particle now.
   template <class Engine>
-  double largest_acceleration([[maybe_unused]] const Engine& e,
+  double largest_acceleration([[maybe_unused]] const Engine& e, [[maybe_unused]] std::int64_t step,
                               [[maybe_unused]] double time) const {
     double most = 0;
     if constexpr (List::push)
       for (std::size_t k = 0; k < e.owners(); ++k) {
         const auto p = e.owner(k);
-        if (p.is_there() && p.inverse_mass() > 0)
-          most =
-              std::max(most, p.inverse_mass() * norm(sum_of(e.modules(), e.seen(k, time), k).force +
-                                                     near_force(k)));
+        if (!p.is_there() || !(p.inverse_mass() > 0)) continue;
+        const Vec3d force = sum_of(e.modules(), e.seen(k, time), k).force + near_force(k);
+        if (!is_finite(force)) (stop_at<Ms>(e, {step, time, 0, {0, 0, 0}}, k), ...);
+        most = std::max(most, p.inverse_mass() * norm(force));
       }
     return most;
   }
@@ -259,11 +259,27 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
   }
   template <class M, class Sim>
   void check_one([[maybe_unused]] const Sim& sim) const {
-    if constexpr (requires(const M& m) { m.check(sim); }) get<M>().check(sim);
+    if constexpr (requires(const M& m) { m.check(sim); })
+      get<M>().check(sim);
+    else
+      static_assert(!MembersNamed<M>::check,
+                    "a module's check() does not fit: it must be `void check(const auto& "
+                    "simulation) const`, and public: silt/module/concept.hpp");
+    if constexpr (SaysFluxSteps<M>)
+      require(get<M>().flux_every > 0, name_of_module<M>(),
+              ".flux_every = 0 [steps] must be at least 1");
+  }
+  /// A rate that is not a number limits no step.
+  template <class M>
+  static void check_rate(double rate, const Seen& p) {
+    require(rate >= 0 && std::isfinite(rate), "the rate() of the module ", name_of_module<M>(),
+            " is ", rate, " 1/s for particle ", p.id, " at ", p.position,
+            " m; it must be finite and at least 0: mend its rate()");
   }
   template <class M, class Engine>
   double rate_of_one(const Engine& e, const Seen& p, std::size_t k, OfFluxes of_fluxes) const {
     double rate = field_rate<M>(e, p, k, of_fluxes);
+    check_rate<M>(rate, p);
     if (only_decays<M> && of_fluxes == OfFluxes::Estimated) rate *= share_of_decays;
     if constexpr (SaysPairStiffness<M>)
       if (std::isfinite(p.mass)) rate += near.template rate<M>(k, p.mass);
@@ -340,8 +356,8 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
             text("step ", step, ", t = ", time, " s: the field '",
                  FieldNames<M>::at(n / FieldNames<M>::components), "' of particle ", p.id, " at ",
                  p.position, " m is ", numbers[n],
-                 ", which must be finite; an observer, or the program between two runs, has set "
-                 "it"),
+                 ", which must be finite; it began so, or an observer, or the program between two "
+                 "runs, has set it"),
             step, {p.id}, p.position);
       }
   }
