@@ -312,8 +312,9 @@ TEST_CASE("checkpoint: modules are compared by their fields, all of them, and no
   auto pushed = with(age, way, silt::BodyForce{[](const silt::Seen&) { return Vec3d{1, 0, 0}; }});
   CHECK(has_words(refusal<FileError>([&] { load_checkpoint(pushed, path); }), {"BodyForce"}));
   save_checkpoint(pushed, path);
-  auto otherwise =
-      with(age, way, silt::BodyForce{[](const silt::Seen&) { return Vec3d{2, 0, 0}; }});
+  auto otherwise = with(age, way, silt::BodyForce{[](const silt::Seen&) {
+                          return Vec3d{2, 0, 0};
+                        }});
   CHECK_NOTHROW(load_checkpoint(otherwise, path));  // on another line
 }
 

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 #include <signal.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -164,6 +165,16 @@ TEST_CASE("atomic_file: a folder that is missing or in the way is named") {
   CHECK(has_words(in_the_way, {folder / "taken'", "cannot be put in place", "irectory"}));
   CHECK_FALSE(fs::exists(folder / "taken.partial"));
   CHECK(has_words(refusal([&] { silt::detail::read_file(folder.path); }), {"Is a directory"}));
+}
+
+// As the superuser, a name such as /dev/null was replaced by a file, for all programs.
+TEST_CASE("atomic_file: a pipe or a device is refused, and stays what it is") {
+  const Folder folder;
+  const std::string pipe = folder / "pipe";
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  CHECK(has_words(refusal([&] { silt::AtomicFile(pipe).commit(); }), {pipe + "'", "name a file"}));
+  CHECK(fs::is_fifo(pipe));
+  CHECK_FALSE(fs::exists(pipe + ".partial"));
 }
 
 TEST_CASE("make_folder: makes parents, accepts what is there, names a file in the way") {

@@ -660,6 +660,26 @@ class Captions(Refuses, unittest.TestCase):
                             for one in bar.ax.get_xticklabels() if one.get_text()))
 
 
+class WallsAlone(unittest.TestCase):
+    def test_planes_do_not_hide_what_is_behind_them(self):
+        """Catches walls drawn as solid bodies: a plane in front of all else, and --walls-as without effect."""
+        square = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], float)
+        points = np.concatenate([np.insert(square, 1, 0, axis=1), np.insert(0.4 + 0.2 * square, 1, 1, axis=1)])
+        triangles = np.array([(0, 1, 2), (0, 2, 3), (4, 5, 6), (4, 6, 7)], np.int32)
+        with tempfile.TemporaryDirectory() as folder:
+            name, out = os.path.join(folder, "walls.vtp"), os.path.join(folder, "x.png")
+            write_vtp(name, points, {"wall": np.repeat(np.arange(2), 4).astype(np.uint32),
+                                     "unbounded": np.repeat([1, 0], 4).astype(np.uint32)}, triangles)
+            shown = {}
+            for style in (None, "glass", "solid", "edges"):
+                drawing.draw(name, out=out, **({"walls_as": style} if style else {}))
+                shown[style] = picture(out)
+            self.assertTrue((shown[None] == shown["glass"]).all())
+            dark = {style: (image.max(axis=2) < 0.4).mean() for style, image in shown.items()}
+            self.assertGreater(dark["edges"], dark["solid"])  # the edges of the square behind
+            self.assertFalse(any((colourful(image) > 0.15).any() for image in shown.values()))  # of bodies
+
+
 class Tables(Refuses, unittest.TestCase):
     """`silt curves` and `silt cells`."""
 

@@ -238,7 +238,7 @@ enum class Flush { ToDisk, Never };
 class AtomicFile {
  public:
   explicit AtomicFile(std::string path, Flush flush = Flush::ToDisk)
-      : path_(std::move(path)),
+      : path_(need_file(std::move(path))),
         partial_(path_ + ".partial"),
         waits_(flush == Flush::ToDisk),
         file_(partial_, O_WRONLY | O_CREAT | O_TRUNC, path_) {}
@@ -275,6 +275,15 @@ class AtomicFile {
  private:
   static constexpr std::size_t buffer_size = std::size_t{1} << 18;
 
+  /// FileError for a device or a pipe, such as /dev/null: the rename would replace it.
+  static std::string need_file(std::string path) {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode))
+      throw FileError(text("file '", path,
+                           "' cannot be written: it is a device or a pipe, which a file would "
+                           "replace; name a file"));
+    return path;
+  }
   void require_open(std::string_view call) const {
     require(open_, "AtomicFile '", path_, "': ", call,
             " after commit or after a failed write; make a new AtomicFile");

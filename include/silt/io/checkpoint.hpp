@@ -87,8 +87,8 @@ class Checkpoint {
                 Sim::Fluid::active ? text("; fluid ", name_of<typename Sim::Fluid>()) : "",
                 "; integrator ", name_of<typename Sim::Integrator>(),
                 Sim::of_bodies ? text("; rotation ", name_of<typename Sim::Rotation>()) : "",
-                Sim::Modules::exist ? text("; modules ", module_names()) : "",
-                "; contacts keep ", Engine::memory.words());
+                Sim::Modules::exist ? text("; modules ", module_names()) : "", "; contacts keep ",
+                Engine::memory.words());
   }
 
  private:

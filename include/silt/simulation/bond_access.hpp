@@ -228,7 +228,7 @@ class BondAccess {
   void need_no_fresh_bonds(const char* what) const {
     require(!sim().bonds_.fresh, "Simulation::", what,
             ": bonds were made whose ends may be on two ranks; run() first for at least a step, as "
-            "by run(step_length())");
+            "by run(step_length()), without observers that read bonds, energies or save");
   }
   /// The time step limits from the bonds of all ranks (collective).
   template <class S = Sim>

@@ -236,7 +236,9 @@ class Scene:
         together, colour = self.options.together, self.options.colour
         if together and colour and not self._has_colour(frame):
             colour = None
-        if frame.kind in (POINTS, SURFACE):
+        if self._is_walls(frame):
+            self._take_walls(out, frame)
+        elif frame.kind in (POINTS, SURFACE):
             bed = self._bed(*true_shape(frame), colour)
             if out.bed is None:
                 out.bed = bed
@@ -251,6 +253,13 @@ class Scene:
         else:
             raise Error(f"file '{frame.path}' has {frame.kind} with the fields {', '.join(frame.fields) or 'none'}, "
                         "which are neither particles, bodies, contacts, bonds nor cells of a grid")
+
+    def _is_walls(self, frame: Frame) -> bool:
+        """Whether a file to be drawn is one of walls that are shown as such: by --walls-as, or as they have
+        infinite planes, which would hide what is within. Other walls are solid bodies."""
+        if frame.kind != SURFACE or "unbounded" not in frame or self.options.colour:
+            return False
+        return bool(self.options.walls_as) or bool(np.any(frame["unbounded"] != 0))
 
     def _bed(self, body: Frame, more: Optional[Frame], colour: Optional[str]) -> Bed:
         bonds = self.beside["bonds"]
@@ -438,7 +447,8 @@ def paint(canvas: Canvas, layers: Layers, scales: dict[str, ColourScale], option
         canvas.draw_spheres(balls, np.full(len(balls), layers.rod), colours[which])
     if len(layers.cells):
         canvas.draw_flat(layers.cells, scales["flow"].colours(layers.flow))
-    style = options.walls_as or ("behind" if layers.beds() or len(layers.bonds) else "edges")
+    full, lines = layers.beds() or len(layers.bonds), len(layers.contacts) or len(layers.cells)
+    style = options.walls_as or ("behind" if full else "edges" if lines else "glass")
     if style == "solid":
         canvas.draw_solid_walls(layers.walls)
     elif style == "glass":
