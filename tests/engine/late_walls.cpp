@@ -10,6 +10,7 @@
 #include <silt/contact/hertz_mindlin.hpp>
 #include <silt/contact/linear_spring.hpp>
 #include <silt/contact/rolling/epsd.hpp>
+#include <silt/io/observers.hpp>
 #include <silt/module/charge/tribo_charge.hpp>
 #include <silt/module/heat/mutual_radiation.hpp>
 #include <silt/module/heat/surroundings.hpp>
@@ -57,6 +58,25 @@ TEST_CASE("late walls: a pair value for the material of a wall that came after a
   sim.run(2e-3);
   // silt's own step of a 20th of the contact: 0.495 for 0.5 (docs/limits.md).
   CHECK(sim.velocity(0).z == near(0.5).epsilon(0.02));
+}
+
+// Catches coefficients read beyond a table that is as large as it was when the run began.
+TEST_CASE("late walls: an observer adds a wall of a new material, and its pair value") {
+  auto sim = falling(silt::Contacts<silt::HertzMindlin, silt::RollingEpsd>{glass, {}},
+                     silt::HeatConduction{.conductivity = 1, .heat_capacity = 800});
+  const auto add = [](auto& s) {
+    if (s.walls() > 0) return;
+    s.add_wall(below, steel, {.name = "lid"});
+    s.set_pair(0, s.wall("lid").material, {.restitution = 0.5, .friction = 0});
+  };
+  sim.run(2e-3, silt::at(silt::every(1e-4), add));
+  CHECK(sim.velocity(0).z == near(0.5).epsilon(0.02));
+  auto forgotten = falling(silt::Contacts<silt::HertzMindlin, silt::RollingEpsd>{glass, {}});
+  const auto add_alone = [](auto& s) {
+    if (s.walls() == 0) s.add_wall(below, steel, {.name = "lid"});
+  };
+  CHECK(has(refusal([&] { forgotten.run(2e-3, silt::at(silt::every(1e-4), add_alone)); }),
+            "materials 0 and 1 have no pair value"));
 }
 
 TEST_CASE("late walls: a wall that is left out is not named") {

@@ -15,6 +15,7 @@
 #include <silt/contact/linear_spring.hpp>
 #include <silt/contact/softened.hpp>
 #include <silt/io/checkpoint.hpp>
+#include <silt/io/observers.hpp>
 #include <silt/module/heat/fluid_convection.hpp>
 #include <silt/module/heat/mutual_radiation.hpp>
 #include <silt/module/heat/surroundings.hpp>
@@ -238,6 +239,33 @@ TEST_CASE("heat: a flux that is held for several steps is Euler's rule of their 
   CHECK(left(2e-3, 10, 0.6) ==
         near(100 * std::pow(1 - 3 * r, 98) * std::pow(1 - 2 * r, 2) * std::pow(1 - r, 2))
             .epsilon(1e-10));
+}
+
+// Catches coefficients of pairs that stay those of the start of the run.
+TEST_CASE("heat: a conductivity that an observer changes conducts from the next step on") {
+  const auto left = [](bool in_observer) {
+    auto sim = chain(2, glass);
+    sim.time_step = 1e-4;
+    sim.field<silt::Temperature>(0) = 400, sim.field<silt::Temperature>(1) = 300;
+    const auto better = [](auto& s) {
+      s.template module<silt::HeatConduction>().conductivity = 50;
+    };
+    if (in_observer) {
+      sim.run(0.2, silt::at(silt::every(0.1), [&](auto& s) {
+                if (s.step() == 1000) better(s);
+              }));
+    } else {
+      sim.run(0.1), better(sim), sim.run(0.1);
+    }
+    CHECK(sim.step() == 2000);
+    return temperature(sim, 0) - temperature(sim, 1);
+  };
+  const double rate = 2 * 2 * 1.1 * std::sqrt(0.5 * R * d) / (mass * 840);  // [1/s]
+  // The flux of the step that the observer sees is known already.
+  const double exact =
+      100 * std::pow(1 - rate * 1e-4, 1001) * std::pow(1 - 50 / 1.1 * rate * 1e-4, 999);
+  CHECK(left(false) == near(exact).epsilon(1e-10));
+  CHECK(left(true) == near(exact).epsilon(1e-10));
 }
 
 // Catches a step that resolves conduction as a swing, or through wider contacts than real ones; a

@@ -35,6 +35,9 @@ std::size_t Simulation<Policies...>::add_wall(Surfaces surfaces,
   wall.reference = detail::turns_about(wall.motion, setup.drive);
   engine_.walls.push_back(std::move(wall));
   if (is_driven) this->release(k, std::move(setup.drive));
+  // In an observer; otherwise they are computed as a run begins.
+  if (running_ && engine_.walls[k].material >= engine_.coefficients.materials)
+    engine_.set_coefficients(contacts_), engine_.set_flux_coefficients(modules_, contacts_);
   engine_.lists.forget();
   scene_changed_ = true, scene_step_ = step_;
   return k;
