@@ -46,11 +46,19 @@ struct Compound {
   void check() const {
     require(!parts.empty(), "Compound has no parts; give at least one");
     require(grid >= 10, "Compound.grid = ", grid, " [-] must be at least 10");
-    for (const Part& p : parts) {
+    const auto check_axes = [](const Quaternion& q, const std::string& whose) {
+      const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+      require(std::abs(length - 1) < 1e-6, "Compound: the axes of ", whose, " have length ", length,
+              " [-], but must be a unit quaternion, as rotation_about(axis, angle) returns it");
+    };
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      const Part& p = parts[k];
       p.shape.check();
       require(is_finite(p.centre), "Compound: the centre of a part, ", p.centre,
               " [m], must be finite");
+      check_axes(p.axes, text("part ", k));
     }
+    if (mass) check_axes(mass->axes, "its mass");
     require(!mass || (mass->volume > 0 && mass->inertia.x > 0 && mass->inertia.y > 0 &&
                       mass->inertia.z > 0),
             "Compound: the volume and the principal moments of its mass must be greater than 0");
