@@ -169,7 +169,7 @@ struct FieldNames {
 template <class... Ms, class NameOf>
 std::string names_of_modules(const ModuleList<Ms...>*, const NameOf& name_of) {
   std::string all;
-  const auto add = [&]<class M>(const M*) {
+  [[maybe_unused]] const auto add = [&]<class M>(const M*) {
     const std::string full = name_of(static_cast<const M*>(nullptr));
     const bool own_way = full.find('{') != full.npos || full.find("lambda") != full.npos;
     all += text(all.empty() ? "" : ", ", own_way ? name_of_module<M>() : full);
