@@ -244,12 +244,15 @@ inline std::uint64_t lane_bits(const M& mask) {
                   std::is_same_v<M, xsimd::batch_bool<double, xsimd::avx512f>>)
       return static_cast<__mmask8>(mask);
 #endif
+    // clang converts masks of floats to those of doubles, which have other lanes.
+    [[maybe_unused]] constexpr bool of_doubles =
+        std::is_same_v<typename M::batch_type::value_type, double>;
 #if defined(__AVX__)
-    if constexpr (requires { _mm256_movemask_pd(mask); })
+    if constexpr (of_doubles && requires { _mm256_movemask_pd(mask); })
       return static_cast<std::uint64_t>(_mm256_movemask_pd(mask));
 #endif
 #if defined(__SSE2__)
-    if constexpr (requires { _mm_movemask_pd(mask); })
+    if constexpr (of_doubles && requires { _mm_movemask_pd(mask); })
       return static_cast<std::uint64_t>(_mm_movemask_pd(mask));
 #endif
     bool lane[M::size];
