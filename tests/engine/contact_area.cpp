@@ -228,6 +228,42 @@ TEST_CASE("contact_area: stacks and brick walls stand still") {
   }
 }
 
+TEST_CASE("contact_area: a stack of dilated cubes comes to rest, and its balance closes") {
+  for (const double turn : {0.0, 0.3}) {
+    const auto m = stone(0.3, 0.5);
+    const double a = 2e-3, r = 0.2e-3;
+    silt::Particles<Polyhedron> all;
+    all.add_form(block(a - r, a - r, a - r, r));
+    for (int k = 0; k < 5; ++k)
+      all.add({.position = {turn * 1e-3 * (k % 2), turn * 0.7e-3 * (k % 3), a + 2 * a * k},
+               .orientation = silt::rotation_about({0, 0, 1}, turn * k),
+               .density = 2500});
+    silt::Simulation sim{std::move(all), Contacts<HertzMindlin>{m}, silt::EnergyLedger{}};
+    sim.gravity = {0, 0, -g};
+    sim.add_wall(Plane{{0, 0, 0}, {0, 0, 1}}, m);
+    sim.run(2);
+    const auto top = sim.find(4);
+    CAPTURE(turn);
+    CHECK(norm(sim.angular_velocity(top)) < 1e-5);  // 0.25 rad/s while the point jumped
+    CHECK(sim.kinetic_energy() < 1e-16);            // 6e-10 J
+    CHECK(std::abs(sim.energy().residual()) < 1e-5 * sim.mass(top) * g * 9 * a);  // 0.3
+  }
+}
+
+TEST_CASE("contact_area: dilated cubes that meet by their faces rebound with their restitution") {
+  for (const double e : {0.9, 0.5}) {
+    const double a = 1e-3, r = 0.2e-3, v = 0.1;
+    silt::Particles<Polyhedron> two;
+    two.add_form(block(a - r, a - r, a - r, r));
+    two.add({.position = {-1.02 * a, 0, 0}, .density = 1000, .velocity = {v, 0, 0}});
+    two.add({.position = {1.02 * a, 0, 0}, .density = 3000, .velocity = {-v, 0, 0}});
+    silt::Simulation sim{std::move(two), Contacts<HertzMindlin>{stone(e, 0.4)}};
+    sim.run(0.1 * a / v);
+    const double rebound = sim.velocity(sim.find(1)).x - sim.velocity(sim.find(0)).x;
+    CHECK(within(rebound / (2 * v), e, 0.01));  // 0.94 and 0.65
+  }
+}
+
 TEST_CASE("contact_area: a die of high exponents stops spinning and comes to rest") {
   const auto m = stone(0.5, 0.4);
   const double a = 3e-3;

@@ -265,11 +265,13 @@ struct Found {
   int pairs = 0, touching = 0, differ = 0, wrong = 0;  // on touching; wrong: silt
   int depths = 0, gave_up = 0, missed = 0;             // libccd's
   int off = 0, above = 0, deep = 0, deep_above = 0;    // silt's
+  int arched = 0, arch_off = 0;                        // by faces, and beyond their bounds
   double worst = 0, shallowest = 9;                    // [m] above; of deep ones above
 
   void add(const Found& o) {
     pairs += o.pairs, touching += o.touching, differ += o.differ, wrong += o.wrong;
     depths += o.depths, gave_up += o.gave_up, missed += o.missed;
+    arched += o.arched, arch_off += o.arch_off;
     off += o.off, above += o.above, deep += o.deep, deep_above += o.deep_above;
     worst = std::max(worst, o.worst), shallowest = std::min(shallowest, o.shallowest);
   }
@@ -304,13 +306,22 @@ void compare(const Solid& i, const Solid& j, const ccd_t& ccd, Found& found) {
     found.wrong += std::abs(depth) > tolerance && touch != (depth > 0);
   }
   if (!touch) return;
-  // Of sharp polyhedra the overlap is a thickness; what is compared is the way out.
+  // Of sharp polyhedra the overlap is a thickness, of nearly parallel faces of dilated ones an
+  // arched depth, which is the depth to 1.25 times it (face_patch.hpp (1), r <= rho); what is
+  // compared is the way out.
   const auto *a = std::get_if<PlacedPolyhedron>(&i), *b = std::get_if<PlacedPolyhedron>(&j);
   if (a && b && a->shape->radius() == 0 && b->shape->radius() == 0) {
     const auto gjk = silt::gjk_distance(*a, *b, Vec3d{0, 0, 0});
     if (!gjk.overlapping) return;
     const auto deep = penetration(*a, *b, gjk);
     overlap = deep.depth, normal = deep.normal;
+  } else if (a && b) {
+    NormalMemory<double> none;
+    const auto c = silt::detail::touch_dilated(*a, *b, normal, none);
+    found.arched += overlap > c.overlap + tolerance;
+    found.arch_off +=
+        !(overlap >= c.overlap - tolerance && overlap <= 1.25 * c.overlap + tolerance);
+    overlap = c.overlap, normal = c.normal;
   }
   // So the overlap is no less than the least depth, but for what the normal is uncertain by, 3e-7
   // (turn_tolerance), times levers of up to 0.5 m on an edge or face ...
@@ -375,6 +386,7 @@ TEST_CASE("libccd: every pair of kinds: what touches, and how deep") {
                 " deep ones above, the least of them ", found.shallowest, " m");
       CHECK(found.touching > found.pairs / 10);
       CHECK(found.wrong == 0);
+      CHECK(found.arch_off == 0);
       CHECK(found.off == 0);
       CHECK(found.above == 0);
       CHECK(found.missed <= 2 + found.depths / 100);
@@ -382,6 +394,7 @@ TEST_CASE("libccd: every pair of kinds: what touches, and how deep") {
       if (!smooth) CHECK(found.deep_above <= found.deep / 100);
       all.add(found);
     }
+  CHECK(all.arched >= 5);  // so that the bounds are tried
   MESSAGE("libccd: ", all.differ, " of ", all.pairs, " pairs differ on touching, ", all.wrong,
           " of them wrong here; of ", all.depths, " depths ", all.missed, " missed there, ",
           all.above, " above here, at most ", all.worst, " m; of ", all.deep, " deep ones ",

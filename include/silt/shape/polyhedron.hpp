@@ -166,6 +166,8 @@ class Polyhedron {
     double cosine;
   };
   Facing face_towards(const Vec3d& n) const;
+  /// [rad] Smallest angle between the normals of a face and of its neighbours.
+  double least_turn(std::size_t face) const { return least_turn_[face]; }
 
  private:
   Polyhedron(const ConvexFaces& body, double radius);
@@ -195,6 +197,7 @@ class Polyhedron {
   std::vector<Face> faces_;
   std::vector<Edge> edges_;
   std::vector<std::uint32_t> loops_;
+  std::vector<double> least_turn_;
   std::vector<std::uint32_t> first_neighbour_, neighbours_;  // of each corner, in order
   std::vector<ClipVertex> graph_;
   GraphColumns graph_columns_;
@@ -257,11 +260,13 @@ inline void Polyhedron::add_edges() {
     neighbours_.insert(neighbours_.end(), of.begin(), of.end());
     first_neighbour_.push_back(static_cast<std::uint32_t>(neighbours_.size()));
   }
+  least_turn_.assign(faces_.size(), std::numbers::pi);
   for (const auto& edge : edges_) {
     require(edge.right != none, "Polyhedron: the faces of the convex hull do not close");
     const Vec3d &l = faces_[edge.left].normal, &r = faces_[edge.right].normal;
-    edge_turning_ +=
-        norm(vertices_[edge.to] - vertices_[edge.from]) * std::atan2(norm(cross(l, r)), dot(l, r));
+    const double turn = std::atan2(norm(cross(l, r)), dot(l, r));
+    edge_turning_ += norm(vertices_[edge.to] - vertices_[edge.from]) * turn;
+    for (const auto f : {edge.left, edge.right}) least_turn_[f] = std::min(least_turn_[f], turn);
   }
 }
 

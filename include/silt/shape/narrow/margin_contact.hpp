@@ -28,8 +28,8 @@ struct AxisMemory {
 /// overlap = r_a + r_b - d with the distance d of the cores (GJK). For d > 0 the gradient of the
 /// overlap is the normal (length 1, at any point of the line between the nearest points); hence any
 /// law U(overlap) conserves energy, and the normal rotates continuously. Where features of the
-/// cores are parallel the nearest points are not unique and the point may jump along them: for
-/// blocks that rest on faces use narrow/volume_overlap.hpp.
+/// cores are parallel the nearest points are not unique and the point may jump along them; faces
+/// of two polyhedra: narrow/face_patch.hpp.
 ///   d = 0: overlap = r_a + r_b + penetration of the cores.
 /// Returns overlap 0 as soon as the dilated bodies are proved apart.
 ///

@@ -3,6 +3,7 @@
 
 #include <silt/shape/narrow/contact_spread.hpp>
 #include <silt/shape/narrow/corner_normal.hpp>
+#include <silt/shape/narrow/face_patch.hpp>
 #include <silt/shape/narrow/margin_contact.hpp>
 #include <silt/shape/narrow/sphere_polyhedron.hpp>
 #include <silt/shape/narrow/thickness_overlap.hpp>
@@ -18,7 +19,7 @@
 ///   super, polyhedron             smallest depth over all normals (corner_normal.hpp)
 ///   two sharp polyhedra           thickness of the intersection (thickness_overlap.hpp)
 ///   polyhedra, at least one       distance of the cores (margin_contact.hpp)
-///   dilated
+///   dilated                       nearly parallel faces: face_patch.hpp
 ///
 /// (super: super-ellipsoid or poly-super-ellipsoid; a dilated polyhedron includes its radius.) In
 /// all of them the overlap is a potential of position and orientation (placed.hpp (1)), with the
@@ -26,8 +27,8 @@
 /// where two ways out are equally short: a ball's centre inside a polyhedron and equally far from
 /// two of its faces; a super's overlap beyond its own radius of curvature, where its minimum may
 /// end (super_ellipsoids.hpp); dilated polyhedra with overlapping cores. The point jumps where
-/// parallel edges or faces leave it undetermined (dilated polyhedra; super on polyhedron only if
-/// the super is flat there).
+/// parallel edges leave it undetermined (dilated polyhedra; super on polyhedron only if the super
+/// is flat there), faces of dilated polyhedra excepted.
 ///
 /// Memory: direction = -normal, in the axes of the body that is flatter at the contact; for a ball
 ///         in space. A pair without one (follows = 0: new, or its bounding spheres were apart) is
@@ -77,6 +78,13 @@ void keep_direction_of(const A& i, const B& j, const Vec3d& m, bool with_i,
                        NormalMemory<double>& memory) {
   memory.direction = (with_i ? axes_of(i) : axes_of(j)).to_body(m);
   memory.follows = with_i ? 1 : -1;
+}
+
+/// A touching pair of dilated polyhedra whose faces are nearly parallel (face_patch.hpp): follows
+/// is 2 or -2.
+inline void keep_faces(NormalMemory<double>& memory) { memory.follows *= 2; }
+inline bool were_faces(const NormalMemory<double>& memory) {
+  return std::abs(memory.follows) > 1.5 && memory.R_eff > 0;
 }
 
 /// For a touching pair: R_eff of the first touch. m = -normal.
@@ -295,12 +303,28 @@ inline SolidContact touch_solids(const PlacedPolyhedron& i, const PlacedPolyhedr
     if (memory.follows == 0) detail::keep_direction_of(i, j, -axis, false, memory);
     return detail::apart_by(gap, memory);
   }
+  auto faces = detail::FaceState::Unknown;
+  if (detail::were_faces(memory)) {  // if they still are, the distance is theirs
+    SolidContact out;
+    const auto to_j = i.shape->face_towards(-i.pose.turn.back(axis)),
+               to_i = j.shape->face_towards(j.pose.turn.back(axis));
+    faces = detail::touch_faces(i, j, to_j, to_i, false, out);
+    if (faces == detail::FaceState::Smooth) {
+      detail::keep_direction_of(i, j, -out.normal, to_j.cosine > to_i.cosine, memory);
+      detail::keep_faces(memory);
+      out.R_eff = memory.R_eff;
+      return out;
+    }
+  }
   auto out = margins > 0 ? detail::touch_dilated(i, j, axis, memory)
                          : detail::touch_sharp(i, j, axis, memory);
   if (!(out.overlap > 0)) return out;
-  const bool with_i = i.shape->face_towards(-i.pose.turn.back(out.normal)).cosine >
-                      j.shape->face_towards(j.pose.turn.back(out.normal)).cosine;
-  detail::keep_direction_of(i, j, -out.normal, with_i, memory);
+  const auto to_j = i.shape->face_towards(-i.pose.turn.back(out.normal)),
+             to_i = j.shape->face_towards(j.pose.turn.back(out.normal));
+  if (margins > 0 && faces == detail::FaceState::Unknown)
+    faces = detail::touch_faces(i, j, to_j, to_i, true, out);
+  detail::keep_direction_of(i, j, -out.normal, to_j.cosine > to_i.cosine, memory);
+  if (faces == detail::FaceState::Smooth) detail::keep_faces(memory);
   out.R_eff = detail::keep_radius(i, j, -out.normal, memory);
   return out;
 }

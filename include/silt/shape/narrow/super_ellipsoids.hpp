@@ -47,7 +47,7 @@ enum class ContactRadius { AtFirstTouch, Local };
 template <class Real>
 struct NormalMemory {
   Vec3<Real> direction{Real(0), Real(0), Real(0)};  // m, in the axes of the body it follows
-  Real follows = Real(0);                           // 1: i, -1: j, 0: none
+  Real follows = Real(0);                           // 1: i, -1: j, 0: none; 2, -2: by faces
   Real R_eff = Real(0);                             // [m] of the first touch; 0 while apart
 };
 
