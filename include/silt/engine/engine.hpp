@@ -15,6 +15,7 @@
 #include <silt/engine/advance/tables.hpp>
 #include <silt/engine/advance/wall_motion.hpp>
 #include <silt/engine/checks/wall_stiffness.hpp>
+#include <silt/engine/contact/contact_log.hpp>
 #include <silt/engine/contact/contact_memory.hpp>
 #include <silt/engine/lists/near_lists.hpp>
 #include <silt/engine/lists/pair_list.hpp>

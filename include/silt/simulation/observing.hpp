@@ -14,6 +14,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/target.hpp>
 #include <silt/engine/contact/contact_events.hpp>
+#include <silt/engine/contact/contact_log.hpp>
 #include <silt/engine/contact/contact_record.hpp>
 #include <silt/engine/state/module_columns.hpp>
 #include <silt/parallel/agreed.hpp>

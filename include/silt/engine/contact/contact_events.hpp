@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <tuple>
 #include <type_traits>
 #include <vector>
 
@@ -205,49 +204,51 @@ class ContactWatch {
       velocity = per_gradient * velocity, turn = per_gradient * turn;
       force = gradient * force, moment = gradient * moment;
     }
+    const Real worked(static_cast<Scalar>(times.worked)), size = dot(force, force);
+    Real power = dot(force, velocity);
+    if constexpr (ContactsType::rotates) power += dot(load.twirl, kin.spin);
+    if constexpr (gives_couples<ContactsType>) power += dot(moment, turn);
+    // A regular evaluation at rest represents half the steps since the last and half of those until
+    // the next.
+    constexpr double every = Times::look_at_rest_every;
+    const Real of_rest(static_cast<Scalar>(times.look_at_rest ? every : 0));
+    if (times.look_at_rest && !any((touching || touched) && !at_rest)) {  // most packs of a bed
+      keep(kept + N::force, force);
+      if constexpr (gives_couples<ContactsType>) keep(kept + N::couple, moment);
+      const Real work = select(at_rest, worked * (of_rest * power), zero);
+      silt::store(kept[N::work], silt::load<Real>(kept[N::work]) + work);
+      keep_largest(touching, size, kept);
+      return;
+    }
     const Vec3<Real> before =
         silt::load3<Real>(kept[N::force], kept[N::force + 1], kept[N::force + 2]);
-    Real power = dot(force, velocity), power_before = dot(before, velocity);
-    if constexpr (ContactsType::rotates) {  // the last force acted along the last normal
-      power += dot(load.twirl, kin.spin);
+    Real power_before = dot(before, velocity);
+    if constexpr (ContactsType::rotates)  // the last force acted along the last normal
       power_before -= kin.arm * dot(before, cross(kin.spin, kin.normal - kin.change));
-    }
     const auto passed_over = at_rest && silt::Mask<Real>(!times.look_at_rest);
     keep(kept + N::force, select(passed_over, before, force));
     if constexpr (gives_couples<ContactsType>) {
       const Vec3<Real> moment_before =
           silt::load3<Real>(kept[N::couple], kept[N::couple + 1], kept[N::couple + 2]);
-      power += dot(moment, turn), power_before += dot(moment_before, turn);
+      power_before += dot(moment_before, turn);
       keep(kept + N::couple, select(passed_over, moment_before, moment));
     }
-    // A regular evaluation at rest represents half the steps since the last and half of those until
-    // the next. Where rest ends, the steps passed over had about this power, but were slow.
-    constexpr double every = Times::look_at_rest_every;
-    const Real of_rest(static_cast<Scalar>(times.look_at_rest ? every : 0)),
-        passed(static_cast<Scalar>(times.since_look - 1 - every / 2)),
+    // Where rest ends, the steps passed over had about this power, but were slow.
+    const Real passed(static_cast<Scalar>(times.since_look - 1 - every / 2)),
         ahead(static_cast<Scalar>(every / 2)), half(Scalar(0.5));
-    const auto begins_rest = keep_rest(slow, begun, kept, times) && !rested && touching;
+    const auto ends_rest = rested && !at_rest;
+    auto begins_rest = touching && !touching;  // none
+    if (times.look_at_rest)
+      begins_rest = count_calm(slow, begun, kept, times) && !rested && touching;
+    else if (any(ends_rest))
+      end_rest(ends_rest, begun, kept);
     Real work = select(at_rest, of_rest * power, half * (power + power_before));
-    work += select(rested && !at_rest, passed * slowed(power, kin, times), zero);
+    work += select(ends_rest, passed * slowed(power, kin, times), zero);
     work += select(begins_rest, ahead * power, zero);
     work = select(work == work, work, zero);  // NaN: the partner has left
-    const Real worked(static_cast<Scalar>(times.worked));
     silt::store(kept[N::work], silt::load<Real>(kept[N::work]) + worked * work);
-    const Real size = dot(force, force), last = silt::load<Real>(kept[N::largest]);
-    if (any(touching && size > last))
-      silt::store(kept[N::largest], select(touching, max(last, size), last));
-    const std::uint64_t began = lane_bits(touching) & ~lane_bits(touched),
-                        ended = lane_bits(touched) & ~lane_bits(touching);
-    if ((began | ended) != 0) [[unlikely]] {
-      Change change;
-      change.k = k, change.began = began, change.ended = ended;
-      if constexpr (ContactsType::rotates) velocity -= kin.arm * cross(kin.spin, kin.normal);
-      silt::store(change.normal[0], kin.normal.x), silt::store(change.normal[1], kin.normal.y);
-      silt::store(change.normal[2], kin.normal.z), silt::store(change.velocity[0], velocity.x);
-      silt::store(change.velocity[1], velocity.y), silt::store(change.velocity[2], velocity.z);
-      silt::store(change.overlap, kin.overlap);
-      note(change, kept, times, notes);
-    }
+    keep_largest(touching, size, kept);
+    tell_changes(kin, velocity, touching, touched, kept, times, k, notes);
   }
 
  private:
@@ -272,17 +273,47 @@ class ContactWatch {
     const Real overlap = max(kin.overlap, Real(0)), moved = moved_squared(kin, times);
     return power * sqrt(min(Real(1), overlap * overlap / max(moved, smallest<Scalar>())));
   }
+  template <class Touching, class Touched, class Times>
+  static SILT_INLINE void tell_changes(const Kinematics<Real>& kin, Vec3<Real> velocity,
+                                       const Touching& touching, const Touched& touched,
+                                       Scalar* const* kept, const Times& times, std::size_t k,
+                                       ContactNotes& notes) {
+    const std::uint64_t began = lane_bits(touching) & ~lane_bits(touched),
+                        ended = lane_bits(touched) & ~lane_bits(touching);
+    if ((began | ended) == 0) [[likely]]
+      return;
+    Change change;
+    change.k = k, change.began = began, change.ended = ended;
+    if constexpr (ContactsType::rotates) velocity -= kin.arm * cross(kin.spin, kin.normal);
+    silt::store(change.normal[0], kin.normal.x), silt::store(change.normal[1], kin.normal.y);
+    silt::store(change.normal[2], kin.normal.z), silt::store(change.velocity[0], velocity.x);
+    silt::store(change.velocity[1], velocity.y), silt::store(change.velocity[2], velocity.z);
+    silt::store(change.overlap, kin.overlap);
+    note(change, kept, times, notes);
+  }
+  template <class Touching>
+  static SILT_INLINE void keep_largest(const Touching& touching, const Real& size,
+                                       Scalar* const* kept) {
+    const Real last = silt::load<Real>(kept[N::largest]);
+    if (any(touching && size > last))
+      silt::store(kept[N::largest], select(touching, max(last, size), last));
+  }
   /// Counts regular evaluations at which a contact was slow; returns whether it is at rest now.
   template <class Slow, class Times>
-  static SILT_INLINE auto keep_rest(const Slow& slow, const Real& begun, Scalar* const* kept,
-                                    const Times& times) {
-    const Real more(static_cast<Scalar>(times.look_at_rest ? 1 : 0)),
-        calm = select(slow, silt::load<Real>(kept[N::calm]) + more, Real(0)),
-        time = max(begun, -begun), enough(static_cast<Scalar>(Times::calm_at_rest));
+  static SILT_INLINE auto count_calm(const Slow& slow, const Real& begun, Scalar* const* kept,
+                                     const Times& times) {
+    const Real calm = select(slow, silt::load<Real>(kept[N::calm]) + Real(1), Real(0)),
+               time = max(begun, -begun), enough(static_cast<Scalar>(Times::calm_at_rest));
     const auto rests = calm >= enough && time < Real(static_cast<Scalar>(times.at_rest_from));
     silt::store(kept[N::calm], min(calm, enough));
     silt::store(kept[N::begin], select(rests, -time, time));
     return rests;
+  }
+  /// Contacts that move again.
+  template <class Where>
+  static SILT_INLINE void end_rest(const Where& where, const Real& begun, Scalar* const* kept) {
+    silt::store(kept[N::calm], select(where, Real(0), silt::load<Real>(kept[N::calm])));
+    silt::store(kept[N::begin], select(where, -begun, begun));
   }
 
   /// A pack in which contacts begin or end.
@@ -329,51 +360,6 @@ class ContactWatch {
     }
   }
 };
-
-/// The events of a step, ordered by time, then by ids.
-class ContactLog {
- public:
-  bool wanted = false;  // an observer asks for events
-  const std::vector<ContactEvent>& begun() const { return begun_; }
-  const std::vector<ContactEvent>& ended() const { return ended_; }
-
-  void clear() { begun_.clear(), ended_.clear(); }
-  /// `id_of`: id of a row. Contacts of a particle that has left, which has no id, are not reported.
-  template <class IdOf>
-  void take(const ContactNotes& notes, const IdOf& id_of) {
-    take(notes, id_of, [](std::uint32_t) { return true; });
-  }
-  /// Only contacts for which the row of the partner with the lower id `tells`: of two ranks that
-  /// have a contact, one reports it.
-  template <class IdOf, class Tells>
-  void take(const ContactNotes& notes, const IdOf& id_of, const Tells& tells) {
-    for (const NotedContact& one : notes.noted()) {
-      ContactEvent e = one.event;
-      e.a = id_of(one.first);
-      if (e.a == no_particle) continue;
-      if (e.wall == no_wall) {
-        e.b = id_of(one.second);
-        if (e.b == no_particle) continue;
-        if (!tells(e.b < e.a ? one.second : one.first)) continue;
-        if (e.b < e.a) std::swap(e.a, e.b), e.normal = -e.normal;
-      }
-      (one.ended ? ended_ : begun_).push_back(e);
-    }
-  }
-  void sort() {
-    const auto key = [](const ContactEvent& e) {
-      return std::tuple(e.a, e.b, e.wall, e.begin, e.point.x, e.point.y, e.point.z);
-    };
-    for (auto* const events : {&begun_, &ended_})
-      std::sort(
-          events->begin(), events->end(),
-          [&](const ContactEvent& one, const ContactEvent& two) { return key(one) < key(two); });
-  }
-
- private:
-  std::vector<ContactEvent> begun_, ended_;
-};
-struct NoContactLog {};
 
 }  // namespace detail
 }  // namespace silt

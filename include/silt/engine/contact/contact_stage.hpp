@@ -24,20 +24,15 @@ class WatchedPacks {
   static constexpr std::size_t W = sizeof(Real) / sizeof(ScalarOf<Real>);
 
  public:
-  template <std::size_t H>
-  void look(const Block& block, std::size_t count, const StepTimes& times,
-            ContactCoefficients<ContactsType, Real> coefficients, const std::uint16_t* kinds,
-            const std::array<ScalarOf<Real>*, H>& history) {
-    for (std::size_t k = 0; k < count; k += W) {
-      if (kinds != nullptr && ActsAtDistance<typename ContactsType::Law>)
-        coefficients.choose(kinds + k);
-      const auto kinematics = block.template get<Real>(k);
-      if (!Watch::is_due(kinematics, Kernel::acting(kinematics, coefficients.law()),
-                         history[ContactsType::events_from + WatchedNumbers::begin] + k, times))
-        continue;
-      which_[packs_++] = static_cast<std::uint16_t>(k);
-      before_.put(k, kinematics), before_.put(k, block.template get_rolling<Real>(k));
-    }
+  /// Before the law, for each pack; `begin`: the first stored value of each contact.
+  SILT_INLINE void look(const Kinematics<Real>& kinematics, const RollingKinematics<Real>& rolling,
+                        std::size_t k, const StepTimes& times,
+                        const ContactCoefficients<ContactsType, Real>& coefficients,
+                        const ScalarOf<Real>* begin) {
+    if (!Watch::is_due(kinematics, Kernel::acting(kinematics, coefficients.law()), begin, times))
+      return;
+    which_[packs_++] = static_cast<std::uint16_t>(k);
+    before_.put(k, kinematics), before_.put(k, rolling);
   }
   /// Called after the law.
   template <std::size_t H>
@@ -157,8 +152,6 @@ struct AtOnePoint {
     [[maybe_unused]] std::conditional_t<keeps_events<ContactsType>,
                                         WatchedPacks<ContactsType, Real, Block>, Nothing>
         packs;
-    if constexpr (keeps_events<ContactsType>)
-      packs.look(block, count, times, coefficients, kinds, history);
     for (std::size_t k = 0; k < count; k += W) {
       if (kinds != nullptr) coefficients.choose(kinds + k);
       std::array<Scalar*, H> at{};
@@ -166,10 +159,14 @@ struct AtOnePoint {
       const Real share =
           shares_contacts<ContactsType> && shares != nullptr ? load<Real>(shares + k) : Real(1);
       losses.begin(tally.lanes);
-      block.put_load(
-          k, Kernel::load(block.template get<Real>(k), block.template get_rolling<Real>(k),
-                          block.template get_radii<Real>(k), step, lag, times.ask,
-                          coefficients.law(), coefficients.rolling(), at.data(), tally, share));
+      const auto kinematics = block.template get<Real>(k);
+      const auto rolling = block.template get_rolling<Real>(k);
+      if constexpr (keeps_events<ContactsType>)
+        packs.look(kinematics, rolling, k, times, coefficients,
+                   at[ContactsType::events_from + WatchedNumbers::begin]);
+      block.put_load(k, Kernel::load(kinematics, rolling, block.template get_radii<Real>(k), step,
+                                     lag, times.ask, coefficients.law(), coefficients.rolling(),
+                                     at.data(), tally, share));
       losses.end(k, times, tally.lanes);
     }
     if constexpr (keeps_events<ContactsType>)
