@@ -66,7 +66,8 @@ struct EnergyBalance {
   }
   /// The energy that the balance does not explain: the error of time integration. It is second
   /// order in the step with Leapfrog, first order with SymplecticEuler while forces act, and with
-  /// Gear if there is damping or friction (docs/energy.md has numbers). First order are also: a
+  /// Gear if there is damping, friction, or a force of a module or fluid: a constant one gives
+  /// -m a^2 dt/2 per time (docs/energy.md has numbers). First order are also: a
   /// change of gravity, because half a step uses the previous value; with friction,
   /// the change of the lever arm in half a step (some 1e-7 of the energy turned over at 1000 steps
   /// per contact); RollingOwn; and ends of contact with DampingEnd::ZeroOverlap at walls that are

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include <silt/boundary/wall.hpp>
+#include <silt/engine/contact/wall_loads.hpp>
 #include <silt/motion/rotation.hpp>
 
 /// Integration of driven walls (boundary/wall_drive.hpp) with the leapfrog of the particles:
