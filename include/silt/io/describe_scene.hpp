@@ -11,6 +11,7 @@
 
 #include <silt/boundary/wall.hpp>
 #include <silt/io/scene_description.hpp>
+#include <silt/simulation.hpp>
 
 /// Description of a scene in its checkpoints, besides the policies: domain, materials, walls,
 /// inlets and outlets, forms, fluid. Not included is what cannot be read from outside: motions (the

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <silt/core/target.hpp>
+
 namespace silt::inline SILT_TARGET::detail {
 
 /// Pairs of n kinds: (0, 0), (0, 1) ... (1, 1) ...

@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <vector>
 
+#include <silt/boundary/deforming_box.hpp>
 #include <silt/boundary/domain.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/engine/contact/coefficients.hpp>
