@@ -32,6 +32,7 @@ AXES = {
     "Cohesion": ("An attraction that is added to a contact law.", "contact_laws.md", {
         "contact/cohesion/cohesive.hpp": ["Cohesive"],
         "contact/cohesion/dmt.hpp": ["Dmt"],
+        "contact/cohesion/area_cohesion.hpp": ["AreaCohesion"],
         "contact/cohesion/van_der_waals.hpp": ["VanDerWaals"],
         "contact/cohesion/capillary_bridge.hpp": ["BasicCapillaryBridge"],
     }),

@@ -27,6 +27,7 @@
 #include <silt/breakage/sizes.hpp>
 #include <silt/breakage/strength.hpp>
 #include <silt/breakage/t10_sizes.hpp>
+#include <silt/contact/cohesion/area_cohesion.hpp>
 #include <silt/contact/cohesion/capillary_bridge.hpp>
 #include <silt/contact/cohesion/dmt.hpp>
 #include <silt/contact/cohesion/van_der_waals.hpp>

@@ -1,4 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
+#include <silt/contact/cohesion/area_cohesion.hpp>
 #include <silt/contact/cohesion/capillary_bridge.hpp>
 #include <silt/contact/cohesion/dmt.hpp>
 #include <silt/contact/cohesion/van_der_waals.hpp>
@@ -138,6 +139,29 @@ TEST_CASE("dmt: pull-off 2 pi w R*, 4/3 of that of JKR") {
   // Hertz' force of a picometre is 1e-7 of it.
   CHECK(near_relative(-Law::force(c, p, h).normal, dmt_pull_off(pair), 1e-6));
   CHECK(near_relative(dmt_pull_off(pair), 2 * pi * 0.05 * 0.5e-3, 1e-15));
+}
+
+TEST_CASE("area_cohesion: k times the area of contact, as LIGGGHTS' sjkr and sjkr2") {
+  const auto p = AreaCohesion::mix({.energy_density = 1e5});
+  // Areas [m2] that the program itself has at an overlap of 20 um, from its forces with and without
+  // cohesion: two spheres of 1 mm, of 1 and 2 mm, and one of 1 mm at a wall.
+  struct Row {
+    double R_eff, sjkr, sjkr2;
+    double smaller;  // [-] share by which the circle is smaller than to first order
+  };
+  const double d = 20e-6;
+  for (const Row& row : {Row{0.5e-3, 6.25175e-8, 1.256633e-7, d / 4e-3},
+                         Row{2e-3 / 3, 8.33558e-8, 1.675512e-7, 0.005},
+                         Row{1e-3, 1.244067e-7, 1.256634e-7, d / 2e-3}}) {
+    auto c = apart(-d);
+    c.R_eff = row.R_eff;
+    const double pull = AreaCohesion::attraction(c, p);
+    CHECK(near_relative(pull, 2 * pi * 1e5 * row.R_eff * d, 1e-14));
+    CHECK(near_relative(pull * (1 - row.smaller), 1e5 * row.sjkr, 3e-5));  // second order in d/R
+    if (row.R_eff < 1e-3) CHECK(near_relative(2 * pull, 1e5 * row.sjkr2, 1e-5));
+    if (row.R_eff == 1e-3) CHECK(near_relative(pull, 1e5 * row.sjkr2, 1e-5));
+  }
+  refuses([] { AreaCohesion::check({-1}); }, {"AreaCohesion.energy_density = -1 [J/m3]"});
 }
 
 TEST_CASE("cohesive: the body acts where it touches, and friction sees its force alone") {

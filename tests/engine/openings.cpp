@@ -7,6 +7,7 @@
 #include <engine/support.hpp>
 
 #include <silt/contact/linear_spring.hpp>
+#include <silt/io/observers.hpp>
 
 #include "near.hpp"
 
@@ -176,6 +177,44 @@ TEST_CASE("inlet: stops after its total") {
   sim.run(0.05);
   CHECK(sim.inlet(inlet).placed == 37);
   CHECK(sim.size() == 37);
+}
+
+TEST_CASE("inlet: its rate may change, is zero while it is closed, and nothing due is lost") {
+  auto sim = scene();
+  const auto inlet = sim.add_inlet(mouth, flow(5000, {0, 0, -2}));
+  sim.run(0.02);
+  sim.set_inlet_rate(inlet, 1000);
+  sim.run(0.02);
+  CHECK(sim.inlet(inlet).flow.rate == 1000);
+  // 100, 20, and one at the start; what came due since the last insertion is outstanding.
+  CHECK(std::abs(static_cast<double>(sim.inlet(inlet).placed) - 120) <= 2);
+  sim.set_inlet_rate(inlet, 0);
+  const auto closed = sim.inlet(inlet).placed;
+  sim.run(0.02);
+  CHECK(sim.inlet(inlet).placed == closed);
+  CHECK(sim.inlet(inlet).waiting == 0);
+  sim.set_inlet_mass_rate(inlet, 5000 * mass);
+  CHECK(sim.inlet(inlet).flow.rate == near(5000).epsilon(1e-12));
+  sim.run(0.02);
+  // What would have come while it was closed does not.
+  CHECK(std::abs(static_cast<double>(sim.inlet(inlet).placed - closed) - 100) <= 6);
+  CHECK(sim.peak_overlap() == 0);
+  sim.set_inlet_mass_rate(inlet, 0);
+  CHECK(sim.inlet(inlet).flow.rate == 0);
+  CHECK(has_words(refusal<InputError>([&] { sim.set_inlet_rate(inlet, -1); }),
+                  {"set_inlet_rate: rate = -1 [1/s]"}));
+  CHECK(has_words(refusal<InputError>([&] { sim.set_inlet_mass_rate(inlet, -1); }),
+                  {"set_inlet_mass_rate: rate = -1 [kg/s]"}));
+  CHECK_THROWS_AS(sim.set_inlet_rate(1, 1), InputError);
+}
+
+TEST_CASE("inlet: a rate that grows in many small steps brings its integral") {
+  auto sim = scene();
+  const auto inlet = sim.add_inlet(mouth, flow(1, {0, 0, -2}));
+  sim.run(0.1, silt::at(silt::every(1e-3), [&](auto& s) {
+            s.set_inlet_rate(inlet, 1 + 5e4 * s.time());  // 250 after 0.1 s
+          }));
+  CHECK(std::abs(static_cast<double>(sim.inlet(inlet).placed) - 250) <= 8);
 }
 
 TEST_CASE("inlet: where nothing clears it particles wait, and a sentence says so") {

@@ -277,6 +277,38 @@ TEST_CASE("restart: outlets and inlets, where they are accepted") {
   CHECK(filling.find(64) < filling.rows());
 }
 
+TEST_CASE("restart: an inlet whose rate was changed goes on, bit for bit") {
+  const auto started = [] {
+    Sim sim = built({.rate = 500});
+    sim.run(0.02);
+    sim.set_inlet_rate(0, 1500);
+    return sim;
+  };
+  Sim sim = started();
+  sim.run(0.01);
+  silt::save_checkpoint(sim, path);
+  sim.run(0.02);
+  Sim again = built({.rate = 500});
+  CHECK(has_words(refusal<InputError>([&] { load_checkpoint(again, path); }),
+                  {"inlet 0", "rate", "1500", "500"}));
+  again.set_inlet_rate(0, 1500);
+  load_checkpoint(again, path);
+  again.run(0.02);
+  CHECK(again.inlet(0).placed == sim.inlet(0).placed);
+  CHECK(again.inlet(0).placed > 45);
+  CHECK(bits(again) == bits(sim));
+
+  Sim closed = started();  // a closed one stays closed
+  closed.set_inlet_rate(0, 0);
+  closed.run(0.01);
+  silt::save_checkpoint(closed, path);
+  Sim still = built({.rate = 500});
+  still.set_inlet_rate(0, 0);
+  load_checkpoint(still, path);
+  still.run(0.02);
+  CHECK(still.inlet(0).placed == closed.inlet(0).placed);
+}
+
 TEST_CASE("restart: what may not differ is refused by its name") {
   settled();
   CHECK(has_words(refusal<InputError>([&] {

@@ -1,10 +1,13 @@
 // silt - BSD-3-Clause, see LICENSE
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <type_traits>
 #include <vector>
 
 #include <silt/boundary/cylinder.hpp>
 #include <silt/boundary/triangle_mesh.hpp>
+#include <silt/contact/cohesion/area_cohesion.hpp>
 #include <silt/contact/cohesion/capillary_bridge.hpp>
 #include <silt/contact/cohesion/dmt.hpp>
 #include <silt/contact/cohesion/van_der_waals.hpp>
@@ -216,9 +219,16 @@ TEST_CASE("cohesion: what hangs from a ceiling falls when it weighs more than th
   damped.restitution = 0.3;
   const Cohesive<HertzMindlin, Dmt>::Material dmt{{1e7, 0.25, 0.3, 0.4}, {1}};
   const double mass = mass_of(radius, density);
+  // As jkr, 1 % of the radius deep at rest: k = 0.2/(3 pi) E*.
+  const double E = p.twice_modulus / 2, k = 0.2 / (3 * std::numbers::pi) * E;
+  const Cohesive<HertzMindlin, AreaCohesion>::Material area{dmt.body, {k}};
+  const double area_pull_off = 2.0 / 3 * std::pow(std::numbers::pi * k, 3) * std::pow(radius / E, 2);
   for (const double share : {0.97, 1.03}) {
     const auto hangs = [&]<class Law>(Law, const typename Law::Material& m, double pull_off) {
-      auto sim = scene<Law>(m, {sphere({0, 0, -radius + jkr_overlap_at_rest(ceiling)})});
+      const double rest = std::is_same_v<Law, Cohesive<HertzMindlin, AreaCohesion>>
+                              ? 0.01 * radius
+                              : jkr_overlap_at_rest(ceiling);
+      auto sim = scene<Law>(m, {sphere({0, 0, -radius + rest})});
       sim.add_wall(Plane{{0, 0, 0}, {0, 0, -1}}, m);
       sim.time_step = 1e-6;
       for (int k = 1; k <= 100; ++k) {  // so slowly that it does not swing
@@ -230,6 +240,7 @@ TEST_CASE("cohesion: what hangs from a ceiling falls when it weighs more than th
     CAPTURE(share);
     CHECK(hangs(Jkr{}, damped, jkr_pull_off(ceiling)) == (share < 1));
     CHECK(hangs(Cohesive<HertzMindlin, Dmt>{}, dmt, dmt_pull_off(ceiling)) == (share < 1));
+    CHECK(hangs(Cohesive<HertzMindlin, AreaCohesion>{}, area, area_pull_off) == (share < 1));
   }
 }
 

@@ -248,7 +248,8 @@ void check_openings(const CheckpointLoader& a, const OpeningsState& s, const Ope
            " s is after the checkpoint's time ", c.time, " s");
     a.need(s.counter[k] <= std::uint64_t{1} << 53 && s.insertions[k] <= std::uint64_t{1} << 53,
            "inlets.counter or inlets.insertions of inlet ", k, " is too large");
-    const double since = c.time - s.start[k], most = flow.rate * since * (1 + 1e-9) + 2;
+    const double since = c.time - s.start[k];
+    const double most = (s.before[k] + flow.rate * since) * (1 + 1e-9) + 2;
     a.need(static_cast<double>(s.placed[k]) <= most && static_cast<double>(s.waiting[k]) <= most &&
                (flow.total == 0 || s.placed[k] <= flow.total),
            "inlets: inlet ", k, " has placed ", s.placed[k], " particles, and ", s.waiting[k],

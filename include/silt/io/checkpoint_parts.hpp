@@ -300,7 +300,7 @@ struct WallsState {
 
 struct OpeningsState {
   std::vector<std::uint64_t> out_count, placed, waiting, insertions, seed, counter;
-  std::vector<double> out_mass, in_mass, start, interval;
+  std::vector<double> out_mass, in_mass, start, interval, before;
 
   template <class Openings>
   static OpeningsState of(const Openings& openings) {
@@ -312,6 +312,7 @@ struct OpeningsState {
       s.insertions.push_back(i.insertions), s.in_mass.push_back(i.mass);
       s.seed.push_back(i.random.state().seed), s.counter.push_back(i.random.state().counter);
       s.start.push_back(i.start), s.interval.push_back(i.interval);
+      s.before.push_back(i.before);
     }
     return s;
   }
@@ -325,6 +326,7 @@ struct OpeningsState {
     a.column("inlets.seed", seed, inlets), a.column("inlets.counter", counter, inlets);
     a.column("inlets.start", start, inlets, not_negative_number);
     a.column("inlets.interval", interval, inlets, not_negative_number);
+    a.column("inlets.before", before, inlets, not_negative_number);
   }
   /// State from which inlets and outlets continue. `anew`: inlets begin at `time` [s], as if just
   /// added; `count_anew`: outlets count from 0.
@@ -336,7 +338,7 @@ struct OpeningsState {
     k = 0;
     if (anew) {
       for (auto& i : openings.inlets()) {
-        i.start = time, i.interval = 0, i.placed = i.waiting = i.insertions = 0, i.mass = 0;
+        i.start = time, i.interval = i.before = 0, i.placed = i.waiting = i.insertions = 0, i.mass = 0;
         i.random = Random(i.flow.seed);
       }
       return;
@@ -345,7 +347,7 @@ struct OpeningsState {
       i.placed = placed[k], i.waiting = waiting[k], i.insertions = insertions[k];
       i.mass = in_mass[k];
       i.random = Random(Random::State{seed[k], counter[k]});
-      i.start = start[k], i.interval = interval[k], ++k;
+      i.start = start[k], i.interval = interval[k], i.before = before[k], ++k;
     }
   }
 };

@@ -96,6 +96,16 @@ class OpeningAccess {
   std::size_t add_inlet(const Box& region, const InletFlow& flow) {
     return add_inlet<Box>(region, flow);
   }
+  /// From now on inlet k places particles at another rate [1/s] or [kg/s]; 0 closes it.
+  void set_inlet_rate(std::size_t k, double rate) {
+    sim().openings_.set_rate(k, rate, sim().time_);
+  }
+  void set_inlet_mass_rate(std::size_t k, double rate) {
+    require_not_negative("set_inlet_mass_rate: rate", rate, "kg/s");
+    InletFlow flow = inlet(k).flow;
+    flow.rate = 0, flow.mass_rate = rate;
+    set_inlet_rate(k, with_number(sim().engine_, flow).rate);
+  }
   const Inlet& inlet(std::size_t k) const { return sim().openings_.inlet(k); }
   std::size_t inlets() const { return sim().openings_.inlets().size(); }
 

@@ -72,7 +72,7 @@ struct Inlet {
   InletFlow flow;
   std::string region;            // in words
   Box bounds;                    // [m]
-  double start = 0;              // [s]
+  double start = 0;              // [s] of the present rate
   double interval = 0;           // [s] in use
   std::uint64_t placed = 0;      // [-] so far
   std::uint64_t waiting = 0;     // [-] due, but without a free position at the last insertion
@@ -80,6 +80,10 @@ struct Inlet {
   Random random{1};
   std::string obstacle = {};  // why the first waiting particle was not placed, and what to change
   double mass = 0;            // [kg] of the particles placed so far
+  double before = 0;          // [-] particles that were due at `start`, from earlier rates
+
+  /// [-] particles due from the first rate until `time` [s], the one of the very start left out.
+  double due(double time) const { return before + flow.rate * (time - start); }
 
   /// A sentence on the last insertion: what blocked it, particles (some by id), walls (by name), or
   /// the region itself; empty if all particles that were due have been placed.
@@ -134,6 +138,19 @@ class Openings {
       return try_place(place, occupied, sphere, random);
     });
     return inlets_.size() - 1;
+  }
+  /// From `time` [s] on inlet k has another rate [1/s]. What is due stays due; at 0 it is forgotten.
+  void set_rate(std::size_t k, double rate, double time) {
+    at("inlet", inlets_, k);
+    require_not_negative("set_inlet_rate: rate", rate, "1/s");
+    Inlet& inlet = inlets_[k];
+    if (rate == inlet.flow.rate) return;
+    if (inlet.flow.rate == 0)
+      inlet.before = static_cast<double>(inlet.placed);
+    else
+      inlet.before = inlet.due(time);
+    if (rate == 0) inlet.waiting = 0, inlet.obstacle.clear();
+    inlet.flow.rate = rate, inlet.start = time, inlet.interval = 0, inlet.insertions = 0;
   }
   const Outlet& outlet(std::size_t k) const { return at("outlet", outlets_, k); }
   const Inlet& inlet(std::size_t k) const { return at("inlet", inlets_, k); }
@@ -213,11 +230,12 @@ class Openings {
 
   template <class Engine, class Sim>
   void let_in(Inlet& inlet, const Place& place, Engine& engine, Sim& sim) {
+    if (inlet.flow.rate == 0) return;
     if (inlet.interval == 0) inlet.interval = choose_interval(inlet.flow, sim.gravity);
     const double since = sim.time() - inlet.start;
     if (since < static_cast<double>(inlet.insertions) * inlet.interval) return;
     ++inlet.insertions;
-    auto due = static_cast<std::uint64_t>(inlet.flow.rate * since) + 1;
+    auto due = static_cast<std::uint64_t>(inlet.due(sim.time())) + 1;
     if (inlet.flow.total > 0) due = std::min(due, inlet.flow.total);
     if (due <= inlet.placed) return;
     SphereGrid occupied;
