@@ -27,6 +27,7 @@ struct BodyMotion<Composition, State>::Pack {
   template <std::size_t Rows, class At>
   static SILT_INLINE void gather(const At& at, std::size_t count, Real (&out)[4 * Rows]) {
     const double* rows[W];
+    SILT_UNROLL
     for (std::size_t lane = 0; lane < W; ++lane) rows[lane] = at(std::min(lane, count - 1));
     gather_columns<Arch, Rows>(rows, out);
   }

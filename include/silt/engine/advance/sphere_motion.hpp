@@ -155,6 +155,7 @@ class SphereMotion {
     std::size_t k = from;
     for (; k + W <= to; k += W) {
       Row velocity[W];
+      SILT_UNROLL
       for (std::size_t lane = 0; lane < W; ++lane)
         velocity[lane] = advance_one<How>(k + lane, with);
       Real v[4];

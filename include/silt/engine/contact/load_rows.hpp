@@ -22,14 +22,17 @@ SILT_INLINE void write_rows(ScalarOf<Pack>* rows, const PairLoad<Pack>& load) {
     const Pack twirl[4] = {load.twirl.x, load.twirl.y, load.twirl.z, Pack(0)};
     Row8<Arch, ScalarOf<Pack>> row[W];
     columns_to_rows<Arch, ScalarOf<Pack>>(force, twirl, row);
+    SILT_UNROLL
     for (std::size_t lane = 0; lane < W; ++lane) row[lane].store(rows + lane * 8);
     return;
   }
   const Vec3<Pack> parts[3] = {load.force, load.twirl, load.couple};
+  SILT_UNROLL
   for (std::size_t c = 0; c < Chunks; ++c) {
     const Pack columns[4] = {parts[c].x, parts[c].y, parts[c].z, Pack(0)};
     Row4<Arch, ScalarOf<Pack>> row[W];
     columns_to_rows<Arch, ScalarOf<Pack>>(columns, row);
+    SILT_UNROLL
     for (std::size_t lane = 0; lane < W; ++lane) row[lane].store(rows + (lane * Chunks + c) * 4);
   }
 }
@@ -53,6 +56,7 @@ SILT_INLINE void add_row(Scalar* sum, const Scalar* row) {
     (Second ? s + Row::of(-1, -1, 1, 1) * r : s + r).store(sum);
   } else {
     using Row = Row4<Arch, Scalar>;
+    SILT_UNROLL
     for (std::size_t c = 0; c < Chunks; ++c) {
       const auto s = Row::load(sum + 4 * c), r = Row::load(row + 4 * c);
       (Second && c != 1 ? s - r : s + r).store(sum + 4 * c);

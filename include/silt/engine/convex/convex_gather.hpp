@@ -148,6 +148,7 @@ struct KeptGather {
   static SILT_INLINE void put_rows(const double (&columns)[Columns][N], std::size_t from,
                                    std::size_t to, std::size_t valid, std::size_t k,
                                    const RowOf& row_of) {
+    SILT_UNROLL
     for (std::size_t c = 0; c < Chunks; ++c) {
       Real four[4] = {Real(0), Real(0), Real(0), Real(0)};
       for (std::size_t h = 0; h < 4 && from + 4 * c + h < to; ++h)

@@ -226,6 +226,7 @@ SILT_INLINE void gather_columns(const double* const* at, Real (&out)[4 * Rows]) 
   constexpr std::size_t W = Lanes<Arch>::width;
   for (std::size_t r = 0; r < Rows; ++r) {
     Row4<Arch> rows[W];
+    SILT_UNROLL
     for (std::size_t lane = 0; lane < W; ++lane) rows[lane] = Row4<Arch>::load(at[lane] + 4 * r);
     Real columns[4];
     rows_to_columns<Arch>(rows, columns);

@@ -33,6 +33,7 @@ inline void ConvexPairs<Rows, ContactsType, Domain, Arch, Fluxes>::sort_out(
     if ((closed | ~lanes) == ~std::uint64_t{0}) continue;
 
     Row4<Arch> rows[W];
+    SILT_UNROLL
     for (std::size_t lane = 0; lane < W; ++lane)
       rows[lane] = Row4<Arch>::load(&scene.in.positions[b[lane]].x) +
                    difference * Row4<Arch>::load(&scene.in.positions[a[lane]].x);

@@ -300,6 +300,7 @@ class PairList {
     std::size_t k = c.from;
     for (; k + W <= c.to; k += W) {  // the W places written to belong to this chunk
       Row4<Arch> rows[W];
+      SILT_UNROLL
       for (std::size_t lane = 0; lane < W; ++lane)
         rows[lane] = Row4<Arch>::load(&grown[outer_[k + lane].a].x) +
                      difference * Row4<Arch>::load(&grown[outer_[k + lane].b].x);

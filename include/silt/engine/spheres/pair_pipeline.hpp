@@ -165,17 +165,20 @@ class PairPipeline {
       using Whole = Row8<Arch, Scalar>;
       const auto sign = Whole::of(-1, 1, 1, 1);
       Whole rows[W];
+      SILT_UNROLL
       for (std::size_t lane = 0; lane < W; ++lane)
         rows[lane] = Whole::load(&motions[a[lane]].vx) + sign * Whole::load(&motions[b[lane]].vx);
       rows_to_columns<Arch>(rows, velocity, spin);
     } else {
       const auto difference = Row::of(-1, -1, -1, 1), sum = Row::all(1);
       Row rows[W];
+      SILT_UNROLL
       for (std::size_t lane = 0; lane < W; ++lane)
         rows[lane] = Row::load(&motions[a[lane]].vx) + difference * Row::load(&motions[b[lane]].vx);
       rows_to_columns<Arch>(rows, velocity);
       if constexpr (rotates) {
         read_anew(a), read_anew(b);
+        SILT_UNROLL
         for (std::size_t lane = 0; lane < W; ++lane)
           rows[lane] = Row::load(&motions[a[lane]].wx) + sum * Row::load(&motions[b[lane]].wx);
         rows_to_columns<Arch>(rows, spin);
@@ -201,6 +204,7 @@ class PairPipeline {
     [[maybe_unused]] Wide vx[packs], vy[packs], vz[packs];
     for (std::size_t p = 0; p < packs; ++p) {
       Row4<Arch> rows[V];
+      SILT_UNROLL
       for (std::size_t lane = 0; lane < V; ++lane)
         rows[lane] = Row4<Arch>::load(&in.positions[a[p * V + lane]].x) +
                      difference * Row4<Arch>::load(&in.positions[b[p * V + lane]].x);

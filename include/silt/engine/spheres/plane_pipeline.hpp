@@ -178,16 +178,19 @@ class PlanePipeline {
     if constexpr (rotates && has_row8<Arch, Scalar>) {
       using Row = Row8<Arch, Scalar>;
       Row rows[W];
+      SILT_UNROLL
       for (std::size_t lane = 0; lane < W; ++lane)
         rows[lane] = Row::load(&motions[particle[lane]].vx);
       rows_to_columns<Arch>(rows, velocity, spin);
     } else {
       using Row = Row4<Arch, Scalar>;
       Row rows[W];
+      SILT_UNROLL
       for (std::size_t lane = 0; lane < W; ++lane)
         rows[lane] = Row::load(&motions[particle[lane]].vx);
       rows_to_columns<Arch>(rows, velocity);
       if constexpr (rotates) {
+        SILT_UNROLL
         for (std::size_t lane = 0; lane < W; ++lane)
           rows[lane] = Row::load(&motions[particle[lane]].wx);
         rows_to_columns<Arch>(rows, spin);
@@ -205,6 +208,7 @@ class PlanePipeline {
     Wide x[packs], y[packs], z[packs], distance[packs], overlap[packs], radius[packs];
     for (std::size_t p = 0; p < packs; ++p) {
       Row4<Arch> rows[V];
+      SILT_UNROLL
       for (std::size_t lane = 0; lane < V; ++lane)
         rows[lane] = Row4<Arch>::load(&positions[particle[p * V + lane]].x);
       Wide c[4];

@@ -67,6 +67,7 @@ SILT_INLINE auto BondStage<Model, Domain, Arch>::ends_of(const State& particles,
   const auto turned_rows = [&](const auto& row_of, Real(&c)[4]) {
     read_anew(a), read_anew(b);
     Row rows[W];
+    SILT_UNROLL
     for (std::size_t lane = 0; lane < W; ++lane) rows[lane] = row_of(lane);
     rows_to_columns<Arch>(rows, c);
   };
@@ -107,6 +108,7 @@ SILT_INLINE void BondStage<Model, Domain, Arch>::put(const Vec3<Real>& v, double
   const Real turned[4] = {v.x, v.y, v.z, Real(0)};
   Row rows[W];
   columns_to_rows<Arch>(turned, rows);
+  SILT_UNROLL
   for (std::size_t lane = 0; lane < W; ++lane) rows[lane].store(to + lane * row);
 }
 

@@ -20,8 +20,10 @@ __attribute__((flatten)) void turn_pack(State& p, std::size_t k, std::size_t cou
   Row rows[W];
   Real w[4], c[4];
   const auto at = [&](std::size_t lane) { return k + std::min(lane, count - 1); };
+  SILT_UNROLL
   for (std::size_t lane = 0; lane < W; ++lane) rows[lane] = Row::load(&p.motion[at(lane)].wx);
   rows_to_columns<Arch>(rows, w);
+  SILT_UNROLL
   for (std::size_t lane = 0; lane < W; ++lane) rows[lane] = Row::load(&p.orientation[at(lane)].w);
   rows_to_columns<Arch>(rows, c);
   // Sine and cosine of half the rotation angle by their series: the error is 1e-13 at 0.1 rad a
