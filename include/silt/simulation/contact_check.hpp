@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <silt/boundary/deforming_box.hpp>
 #include <silt/core/error.hpp>
 #include <silt/search/nbs.hpp>
 

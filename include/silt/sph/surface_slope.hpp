@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <numbers>
 
+#include <silt/core/target.hpp>
+
 namespace silt::inline SILT_TARGET::detail {
 
 /// Gradient of C = sum V W due to a flat free surface, h |grad C|, as a function of the fullness of

@@ -6,6 +6,7 @@
 
 #include <silt/core/threads.hpp>
 #include <silt/core/vec3.hpp>
+#include <silt/sph/columns.hpp>
 #include <silt/sph/ledger.hpp>
 #include <silt/sph/pair_sums.hpp>
 #include <silt/sph/row.hpp>
