@@ -7,6 +7,7 @@
 
 #include <silt/core/lanes.hpp>
 #include <silt/coupling/drag/laws.hpp>
+#include <silt/coupling/particle_exchange.hpp>
 #include <silt/fluid/flow_solver.hpp>
 
 #include "near.hpp"
@@ -167,6 +168,21 @@ TEST_CASE("SyamlalOBrien: beds that cannot be are refused") {
         std::string::npos);
   CHECK(with([](B& b) { b.diameter = 1e-6, b.velocity = 1e-6; }).find("below 0.01") !=
         std::string::npos);
+}
+
+TEST_CASE("SyamlalOBrien: constants that cannot be are refused by the coupling") {
+  const auto of = [](double c1, double d1) {
+    try {
+      silt::ParticleExchange<SyamlalOBrien>{SyamlalOBrien{c1, d1}};
+    } catch (const silt::InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  CHECK(of(0.8, 2.65).empty());
+  CHECK(of(1.5, -1).empty());  // calibrated laws may have such a d1
+  CHECK(of(-1, 2).find("SyamlalOBrien.c1 = -1") == 0);
+  CHECK(of(0.8, NAN).find("SyamlalOBrien.d1 = nan") == 0);
 }
 
 }  // namespace syamlal_obrien_test

@@ -601,6 +601,13 @@ TEST_CASE("what cannot be is refused with a sentence") {
   flow.set_side(2, 1, Outflow{});
   flow.step(0.01);
   has([&] { flow.step(0.9); }, "cells in a step");
+  for (const double wrong : {-5.0, HUGE_VAL}) {
+    flow.drag()(1, 2, 1) = wrong;
+    has([&] { flow.step(0.01); }, "the drag K of cell (1, 2, 1) is ");
+    has([&] { flow.step(0.01); }, "must be finite and not negative");
+  }
+  flow.drag()(1, 2, 1) = 5;
+  flow.step(0.01);
   flow.force(0)(1, 1, 1) = std::nan("");
   has([&] { flow.step(0.01); }, "the force of cell (1, 1, 1) is nan");
 }

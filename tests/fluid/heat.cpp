@@ -306,6 +306,14 @@ TEST_CASE("heat of the fluid: what cannot be is refused") {
   flow.set_side_heat(0, 1, {.flux_at = [](const Vec3d&, double) { return NAN; }});
   has(refusal([&] { flow.step(1e-3); }), "SideHeat.flux is nan");
   flow.set_side_heat(0, 1, {.temperature = 300});
+  for (const double wrong : {-5.0, std::nan("")}) {
+    flow.temperature()(1, 2, 3) = wrong;
+    has(refusal([&] { flow.step(1e-3); }), "temperature of cell (1, 2, 3) is ");
+  }
+  flow.temperature()(1, 2, 3) = 300;
+  flow.heat_source()(3, 2, 1) = NAN;
+  has(refusal([&] { flow.step(1e-3); }), "heat source of cell (3, 2, 1) is nan W/m3");
+  flow.heat_source()(3, 2, 1) = 0;
   flow.set_turbulence(silt::MixingLength{0.005});
   has(refusal([&] { flow.step(1e-3); }), "no thermal wall function");
 }

@@ -11,12 +11,14 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <silt/coupling/averaging/concept.hpp>
 #include <silt/coupling/cell_values.hpp>
 #include <silt/coupling/concept.hpp>
 #include <silt/coupling/coupled_step.hpp>
 #include <silt/coupling/held_cells.hpp>
+#include <silt/coupling/left_particle.hpp>
 #include <silt/coupling/particle_exchange.hpp>
 #include <silt/coupling/step_choice.hpp>
 #include <silt/fluid/concept.hpp>
@@ -117,6 +119,7 @@ class BasicCoupledFlow {
       done.flow = flow_.step(dt, team);
       return finish(done, dt);
     }
+    spread_left(particles.shape, team);
     averaging_->place(particles.shape, team);
     done.averaging = averaging_->report();
     spread_volume(particles, done, team);
@@ -137,6 +140,14 @@ class BasicCoupledFlow {
         exchanged.on_particles -
         cells_.exchanged(flow_, exchange_.bears() ? &flow_.response().borne : nullptr);
     return finish(done, dt);
+  }
+
+  /// A particle that has left since the last step: its place is given to the fluid in the next one.
+  void take_away(const LeftParticle& left) {
+    const Vec3d x = at_the_side(left.position, left.radius);
+    const Quaternion& q = left.orientation;
+    left_.insert(left_.end(), {x.x, x.y, x.z, left.radius, left.volume, q.w, q.x, q.y, q.z,
+                               static_cast<double>(left.form)});
   }
 
   /// [-] at each particle of the last step; 0 outside the grid.
@@ -215,6 +226,8 @@ class BasicCoupledFlow {
   }
   double longest_step(double speed, const Team& team) const;
   void make_averaging(const CoupledParticles& of, const Team& team);
+  void spread_left(const AveragedParticles& present, const Team& team);
+  void take_emptied(CellField& more, const Team& team) const;
   void spread_volume(const CoupledParticles& of, CoupledStep& done, const Team& team);
   void find_loads(const Team& team) {
     if (in_pressure()) cells_.find_slope(flow_, team), cells_.find_stress(flow_, team);
@@ -244,8 +257,11 @@ class BasicCoupledFlow {
   Mode mode_;
   Exchange exchange_;
   std::optional<typename Mode::Averaging> averaging_;
-  int opened_ = 0;    // number of the flow's boundaries at the last opening
-  CellField solids_;  // [m3]
+  int opened_ = 0;                            // number of the flow's boundaries at the last opening
+  CellField solids_;                          // [m3]
+  static constexpr std::size_t of_left = 10;  // numbers of a LeftParticle
+  std::vector<double> left_;                  // since the last step, of_left each
+  std::optional<CellField> emptied_;          // [m3] their volume in the present step
   CellValues cells_;
   detail::HeldCells held_;
   bool following_ = false;                  // held_ is of the present flow

@@ -71,6 +71,7 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::for_each_state(const Visit& 
   clock = {all[0], static_cast<std::int64_t>(all[1]), all[2]};
   if (all[3] > 0) diameter = all[3];
   lost = {all[4], all[5], all[6]}, exchange_.restore_held(all[7]), following_ = false;
+  visit("fluid.left", left_);
   exchange_.for_each_state(visit);
 }
 
@@ -83,6 +84,17 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::check_state(
   };
   if (name == "fluid.clock")
     for (const std::size_t k : {3, 7}) not_negative(k);
+  if (name == "fluid.left") {
+    require(values.size() % of_left == 0, name, " has ", values.size(), " numbers, which must be ",
+            of_left, " a particle");
+    for (std::size_t k = 0; k < values.size(); k += of_left) {
+      for (const std::size_t n : {3, 4})
+        require(values[k + n] > 0, name, "[", k + n, "] = ", values[k + n], " must be above 0");
+      require(values[k + 9] >= 0 && values[k + 9] < 4294967296.0 &&
+                  values[k + 9] == std::floor(values[k + 9]),
+              name, "[", k + 9, "] = ", values[k + 9], " must be the number of a form");
+    }
+  }
   if (name == "fluid.last" && values.size() == 4) {
     for (const std::size_t k : {0, 2, 3})
       require(values[k] == 0 || values[k] == 1, name, "[", k, "] = ", values[k], " must be 0 or 1");

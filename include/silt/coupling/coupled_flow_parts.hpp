@@ -7,6 +7,54 @@
 
 namespace silt::inline SILT_TARGET {
 
+/// Spreads the volume of the particles that have left since the last step.
+template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
+void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::spread_left(const AveragedParticles& present,
+                                                                const Team& team) {
+  emptied_.reset();
+  if (left_.empty()) return;
+  const std::size_t n = left_.size() / of_left;
+  std::vector<Vec3d> position(n);
+  std::vector<double> radius(n), volume(n);
+  std::vector<Quaternion> orientation(n);
+  std::vector<std::uint32_t> form(n);
+  for (std::size_t p = 0; p < n; ++p) {
+    const double* const of = &left_[p * of_left];
+    position[p] = {of[0], of[1], of[2]}, radius[p] = of[3], volume[p] = of[4];
+    orientation[p] = {of[5], of[6], of[7], of[8]}, form[p] = static_cast<std::uint32_t>(of[9]);
+    require(form[p] == 0 || form[p] < present.forms.size(),
+            "CoupledFlow: a particle that left has the form ", form[p], ", of ",
+            present.forms.size());
+  }
+  AveragedParticles shape{position, radius};
+  if (!present.forms.empty())
+    shape.orientation = orientation, shape.form = form, shape.forms = present.forms;
+  averaging_->place(shape, team);
+  CellField* const to[] = {&emptied_.emplace(flow_.grid())};
+  const std::span<const double> volumes[] = {volume};
+  averaging_->spread(volumes, to, team);
+  if (const auto* joined = flow_.joined_cells()) joined->spread(*emptied_);
+  left_.clear();
+}
+
+/// Takes from `more` [m3] what the particles that have left had of each cell, as far as the cell is
+/// not clipped at the minimum void fraction with or without them.
+template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
+void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::take_emptied(CellField& more,
+                                                                 const Team& team) const {
+  const Grid& g = flow_.grid();
+  CellValues::for_rows(flow_, team, [&](int j, int k) {
+    const double *const s = solids_.row(j, k), *const gone = emptied_->row(j, k);
+    double* const to = more.row(j, k);
+    const double* const open = flow_.open_row(j, k);
+    for (int i = 0; i < g.nx(); ++i) {
+      const double most =
+          (1 - least_voidage) * g.cell_volume() * fluid_detail::fluid_share(open, i);
+      to[i] -= std::min(s[i] + gone[i], most) - std::min(s[i], most);
+    }
+  });
+}
+
 template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
 void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::spread_volume(const CoupledParticles& of,
                                                                   CoupledStep& done,
@@ -17,12 +65,13 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::spread_volume(const CoupledP
   if (const auto* joined = flow_.joined_cells()) joined->spread(solids_);
   const Grid& g = flow_.grid();
   if constexpr (requires { flow_.put_in(solids_, least_voidage, team); })
-    if (!of.put_in.empty()) {
+    if (!of.put_in.empty() || emptied_) {
       CellField more(g);  // [m3]
       CellField* const there[] = {&more};
       const std::span<const double> volumes[] = {of.put_in};
-      averaging_->spread(volumes, there, team);
+      if (!of.put_in.empty()) averaging_->spread(volumes, there, team);
       if (const auto* joined = flow_.joined_cells()) joined->spread(more);
+      if (emptied_) take_emptied(more, team);
       flow_.put_in(more, least_voidage, team);
     }
   for (const double v : of.volume) done.solids += v;

@@ -88,7 +88,9 @@ class ParticleExchange {
       "out");
 
   explicit ParticleExchange(const Drag& drag, const Forces&... forces)
-      : drag_(drag), forces_(forces...) {}
+      : drag_(drag), forces_(forces...) {
+    if constexpr (requires { drag.check(); }) drag.check();
+  }
 
   ExchangeSettings settings;
   FluidAtParticles at;  // to be set before find(), and again before take()

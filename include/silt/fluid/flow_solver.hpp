@@ -242,7 +242,9 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
 
   /// Solids [m3 in each cell] that have been put there since the last step, and have not pushed the
   /// fluid away: that in their place is gone, with the momentum and the heat that it had. A cell
-  /// keeps a void fraction of `least`. Without this call the next step drives it out, in no time.
+  /// keeps a void fraction of `least`. Solids that were taken away are negative: fluid of the
+  /// cell's velocity and temperature is in their place. Without this call the next step drives the
+  /// fluid out or in, in no time.
   void put_in(const CellField& solids, double least, const Team& team = {}) {
     if (!s_.started || s_.options.model == MomentumModel::Simplified) return;
     const double over = 1 / grid().cell_volume();
@@ -252,8 +254,8 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
       for (CellField* before : {&s_.old_eps, &s_.older_eps, &s_.mass}) {
         double* const eps = before->row(j, k);
         for (int i = 0; i < grid().nx(); ++i)
-          eps[i] = std::max(eps[i] - v[i] * over / fluid_detail::fluid_share(open, i),
-                            std::min(eps[i], least));
+          eps[i] = std::clamp(eps[i] - v[i] * over / fluid_detail::fluid_share(open, i),
+                              std::min(eps[i], least), std::max(eps[i], 1.0));
       }
     });
   }
@@ -350,6 +352,8 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
     done.courant = s_.courant(dt, team);
     fluid_detail::refuse_unstable(s_, dt, done.courant);
     s_.take_voidage();
+    s_.check_drag();
+    fluid_detail::check_heat(s_);
     renew_inflows(dt);
     for (CellField* f : {&s_.drag, &s_.drag_v[0], &s_.drag_v[1], &s_.drag_v[2], &s_.force[0],
                          &s_.force[1], &s_.force[2]}) {

@@ -70,6 +70,18 @@ struct FlowState {
     sides.fill_cells(eps);
   }
 
+  /// Refuses a drag that would accelerate the fluid. (One that is not a number: FlowProjection.)
+  void check_drag() const {
+    for (int k = 0; k < grid.nz(); ++k)
+      for (int j = 0; j < grid.ny(); ++j) {
+        const double* const K = drag.row(j, k);
+        for (int i = 0; i < grid.nx(); ++i)
+          if (K[i] < 0 || std::isinf(K[i])) [[unlikely]]
+            throw Error(text("FlowSolver: the drag K of cell (", i, ", ", j, ", ", k, ") is ", K[i],
+                             " kg/(m3 s); it must be finite and not negative: check what sets it"));
+      }
+  }
+
   static void scale_inflows(FlowSides& sides, const std::optional<FlowBoundary>& boundary,
                             const std::optional<FlowSolids>& solids) {
     sides.scale(boundary ? boundary->distance : nullptr, [&](int d, int i, int j, int k) {

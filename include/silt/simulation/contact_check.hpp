@@ -8,6 +8,7 @@
 
 #include <silt/boundary/deforming_box.hpp>
 #include <silt/core/error.hpp>
+#include <silt/engine/lists/box_images.hpp>
 #include <silt/search/nbs.hpp>
 
 namespace silt::inline SILT_TARGET {

@@ -29,6 +29,9 @@ namespace silt::inline SILT_TARGET {
 /// finite at Re = 0. CoupledFlow refuses laws that do not work for packs at compile time
 /// (core/probe.hpp).
 ///
+/// A `void check() const` of a law with parameters is called when a coupling is made; it throws
+/// InputError.
+///
 /// Units:  SI; eps, Re and Fhat [-]. Shapes: Real = double, float or a batch, lane = particle.
 /// Errors: none.
 /// Tests:  tests/coupling/drag.cpp.

@@ -57,6 +57,10 @@ struct SyamlalOBrien {
   double c1 = 0.8;   // [-]
   double d1 = 2.65;  // [-]
 
+  void check() const {
+    require_positive("SyamlalOBrien.c1", c1, "-");
+    require(std::isfinite(d1), "SyamlalOBrien.d1 = ", d1, " [-] must be finite");
+  }
   template <class Real>
   Real velocity_ratio(const Real& eps, const Real& Re_i) const {
     using detail::lanes_of;
