@@ -12,9 +12,9 @@
 #include <silt/boundary/deforming_box.hpp>
 #include <silt/boundary/domain.hpp>
 #include <silt/boundary/finite_walls.hpp>
+#include <silt/boundary/mesh_file.hpp>
 #include <silt/boundary/motion.hpp>
 #include <silt/boundary/plane.hpp>
-#include <silt/boundary/mesh_file.hpp>
 #include <silt/boundary/stl.hpp>
 #include <silt/boundary/triangle_mesh.hpp>
 #include <silt/boundary/wall.hpp>

@@ -222,7 +222,8 @@ TEST_CASE("cohesion: what hangs from a ceiling falls when it weighs more than th
   // As jkr, 1 % of the radius deep at rest: k = 0.2/(3 pi) E*.
   const double E = p.twice_modulus / 2, k = 0.2 / (3 * std::numbers::pi) * E;
   const Cohesive<HertzMindlin, AreaCohesion>::Material area{dmt.body, {k}};
-  const double area_pull_off = 2.0 / 3 * std::pow(std::numbers::pi * k, 3) * std::pow(radius / E, 2);
+  const double area_pull_off =
+      2.0 / 3 * std::pow(std::numbers::pi * k, 3) * std::pow(radius / E, 2);
   for (const double share : {0.97, 1.03}) {
     const auto hangs = [&]<class Law>(Law, const typename Law::Material& m, double pull_off) {
       const double rest = std::is_same_v<Law, Cohesive<HertzMindlin, AreaCohesion>>

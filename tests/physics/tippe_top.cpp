@@ -7,10 +7,11 @@
 
 namespace tippe_top_test {
 
-// A tippe top: a ball whose centre of mass is below its centre stands up as it spins. Friction at one
-// point of a sphere keeps Jellett's constant -L . x, with x from the centre of mass to that point (J. H.
-// Jellett, A Treatise on the Theory of Friction, 1872; recalled), whatever the friction law; proof:
-// dL/dt = x times F is normal to x, and L . dx/dt = 0 for a body of revolution.
+// A tippe top: a ball whose centre of mass is below its centre stands up as it spins. Friction at
+// one point of a sphere keeps Jellett's constant -L . x, with x from the centre of mass to that
+// point (J. H. Jellett, A Treatise on the Theory of Friction, 1872; recalled), whatever the
+// friction law; proof: dL/dt = x times F is normal to x, and L . dx/dt = 0 for a body of
+// revolution.
 
 namespace {
 

@@ -28,8 +28,9 @@
 #define SILT_INLINE inline
 #endif
 
-/// Before a loop over lanes or parts that fills or reads a small array: the array stays in registers. g++
-/// unrolls such loops by itself with -O3 only; left as loops they made a step with -O2 twice as long.
+/// Before a loop over lanes or parts that fills or reads a small array: the array stays in
+/// registers. g++ unrolls such loops by itself with -O3 only; left as loops they made a step with
+/// -O2 twice as long.
 #if defined(__GNUC__) && !defined(__clang__)
 #define SILT_UNROLL _Pragma("GCC unroll 16")
 #else

@@ -338,7 +338,8 @@ struct OpeningsState {
     k = 0;
     if (anew) {
       for (auto& i : openings.inlets()) {
-        i.start = time, i.interval = i.before = 0, i.placed = i.waiting = i.insertions = 0, i.mass = 0;
+        i.start = time, i.interval = i.before = 0, i.placed = i.waiting = i.insertions = 0,
+        i.mass = 0;
         i.random = Random(i.flow.seed);
       }
       return;

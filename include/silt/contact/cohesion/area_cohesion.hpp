@@ -15,8 +15,9 @@ namespace silt::inline SILT_TARGET {
 ///
 /// A is the circle in which the spheres intersect, to first order in the overlap d. `sjkr` takes
 /// the circle itself, which is smaller by a share of d/(8 R*) for equal spheres and d/(2 R) at a
-/// wall; `sjkr2` takes twice the area between spheres (give twice its k) and (1) at walls. On Hertz's spring two spheres
-/// are in equilibrium at d = (3 pi k/(2 E*))^2 R*, and the force that separates them slowly is
+/// wall; `sjkr2` takes twice the area between spheres (give twice its k) and (1) at walls. On
+/// Hertz's spring two spheres are in equilibrium at d = (3 pi k/(2 E*))^2 R*, and the force that
+/// separates them slowly is
 ///
 ///   F_max = 2/3 pi^3 k^3 R*^2/E*^2                                                           (2)
 ///

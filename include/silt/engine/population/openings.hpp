@@ -139,7 +139,8 @@ class Openings {
     });
     return inlets_.size() - 1;
   }
-  /// From `time` [s] on inlet k has another rate [1/s]. What is due stays due; at 0 it is forgotten.
+  /// From `time` [s] on inlet k has another rate [1/s]. What is due stays due; at 0 it is
+  /// forgotten.
   void set_rate(std::size_t k, double rate, double time) {
     at("inlet", inlets_, k);
     require_not_negative("set_inlet_rate: rate", rate, "1/s");
