@@ -159,14 +159,13 @@ struct AtOnePoint {
       const Real share =
           shares_contacts<ContactsType> && shares != nullptr ? load<Real>(shares + k) : Real(1);
       losses.begin(tally.lanes);
-      const auto kinematics = block.template get<Real>(k);
-      const auto rolling = block.template get_rolling<Real>(k);
       if constexpr (keeps_events<ContactsType>)
-        packs.look(kinematics, rolling, k, times, coefficients,
-                   at[ContactsType::events_from + WatchedNumbers::begin]);
-      block.put_load(k, Kernel::load(kinematics, rolling, block.template get_radii<Real>(k), step,
-                                     lag, times.ask, coefficients.law(), coefficients.rolling(),
-                                     at.data(), tally, share));
+        packs.look(block.template get<Real>(k), block.template get_rolling<Real>(k), k, times,
+                   coefficients, at[ContactsType::events_from + WatchedNumbers::begin]);
+      block.put_load(
+          k, Kernel::load(block.template get<Real>(k), block.template get_rolling<Real>(k),
+                          block.template get_radii<Real>(k), step, lag, times.ask,
+                          coefficients.law(), coefficients.rolling(), at.data(), tally, share));
       losses.end(k, times, tally.lanes);
     }
     if constexpr (keeps_events<ContactsType>)
