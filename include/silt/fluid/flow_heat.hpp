@@ -42,22 +42,6 @@ inline double at_side(const SideHeat::OfPlaceAndTime& of, const std::optional<do
   return value;
 }
 
-/// Refuses temperatures and sources that were set to what they cannot be.
-inline void check_heat(const FlowState& s) {
-  if (!s.heat) return;
-  for (int k = 0; k < s.grid.nz(); ++k)
-    for (int j = 0; j < s.grid.ny(); ++j)
-      for (int i = 0; i < s.grid.nx(); ++i) {
-        const double T = s.heat->temperature(i, j, k), source = s.heat->source(i, j, k);
-        if (!(T >= 0 && std::isfinite(T))) [[unlikely]]
-          throw Error(text("FlowSolver: the temperature of cell (", i, ", ", j, ", ", k, ") is ", T,
-                           " K; it must be finite and not negative"));
-        if (!std::isfinite(source)) [[unlikely]]
-          throw Error(text("FlowSolver: the heat source of cell (", i, ", ", j, ", ", k, ") is ",
-                           source, " W/m3; it must be finite"));
-      }
-}
-
 /// One step of the temperature, part by part.
 class HeatStep {
  public:

@@ -352,8 +352,7 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
     done.courant = s_.courant(dt, team);
     fluid_detail::refuse_unstable(s_, dt, done.courant);
     s_.take_voidage();
-    s_.check_drag();
-    fluid_detail::check_heat(s_);
+    s_.check_drag(), s_.check_heat();
     renew_inflows(dt);
     for (CellField* f : {&s_.drag, &s_.drag_v[0], &s_.drag_v[1], &s_.drag_v[2], &s_.force[0],
                          &s_.force[1], &s_.force[2]}) {

@@ -82,6 +82,22 @@ struct FlowState {
       }
   }
 
+  /// Refuses temperatures and sources that were set to what they cannot be.
+  void check_heat() const {
+    if (!heat) return;
+    for (int k = 0; k < grid.nz(); ++k)
+      for (int j = 0; j < grid.ny(); ++j)
+        for (int i = 0; i < grid.nx(); ++i) {
+          const double T = heat->temperature(i, j, k), source = heat->source(i, j, k);
+          if (!(T >= 0 && std::isfinite(T))) [[unlikely]]
+            throw Error(text("FlowSolver: the temperature of cell (", i, ", ", j, ", ", k, ") is ",
+                             T, " K; it must be finite and not negative"));
+          if (!std::isfinite(source)) [[unlikely]]
+            throw Error(text("FlowSolver: the heat source of cell (", i, ", ", j, ", ", k, ") is ",
+                             source, " W/m3; it must be finite"));
+        }
+  }
+
   static void scale_inflows(FlowSides& sides, const std::optional<FlowBoundary>& boundary,
                             const std::optional<FlowSolids>& solids) {
     sides.scale(boundary ? boundary->distance : nullptr, [&](int d, int i, int j, int k) {

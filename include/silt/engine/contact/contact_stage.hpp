@@ -15,8 +15,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The packs of a block that must be tracked (ContactWatch). The kinematics that the loads
-/// overwrite are saved before the law, so that the loop of the law is the same for all packs.
+/// The packs of a block that must be tracked (ContactWatch). Their kinematics, which the loads
+/// overwrite, are saved in the loop of the law; they are tracked after it.
 template <class ContactsType, class Real, class Block>
 class WatchedPacks {
   using Kernel = ContactKernel<ContactsType, Real>;
