@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <concepts>
 #include <cstdint>
@@ -278,19 +277,18 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void start_fields(std::size_t from);
   double power_of_modules() const;
   double longest_module_step() const;
-  std::size_t present_for_fluxes() const {
-    if constexpr (has_ranks) return engine_.ranks.present();
-    return engine_.present();
-  }
+  std::size_t present_for_fluxes() const;
   detail::FluxLook look_at_fluxes(std::size_t present_before) const;
   void choose_flux_steps();
   void check_module_rates() const;
   void renew_fluid();
+  void take_from_fluid(std::size_t k, double share);
   FluidPace pace_of_fluid(double speed) const;
   double kicked_to() const;
   void change_fluid_step(double dt);
   void follow_fluid();
   double gather_for_fluid();
+  void gather_forms_for_fluid();
   ParticleHeat heat_in_fluid();
   void take_heat_of_fluid();
   double power_of_fluid() const;

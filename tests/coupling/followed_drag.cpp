@@ -182,6 +182,8 @@ TEST_CASE(
     CAPTURE(how.cell);
     auto whole = scene(how, 1);
     whole.run(0.0131);  // within a fluid step
+    // What these had taken beyond what the fluid gave is booked in the next step.
+    for (const silt::ParticleId id : {3, 5, 7}) whole.remove(id);
     silt::save_checkpoint(whole, path);
     whole.run(0.01);
     CHECK(whole.outlet(0).count > 0);

@@ -126,6 +126,7 @@ concept ActiveFluid =
 ///   static constexpr bool follows     drag follows each particle's velocity: FollowingFluid
 ///   Vec3d gravity                     [m/s2] set to the simulation's before each step
 ///   Vec3d at_the_side(x, radius)      position for the fluid of a particle with its centre outside
+///   bool reaches(x)                   with it: whether a particle at that position is in the fluid
 ///   void take_away(left)              gets each particle that an outlet or remove() takes out of
 ///                                     the fluid (LeftParticle), before the next advance()
 ///   void check_step(span, pace)       after advance(): throws Error if the step was too long
@@ -181,7 +182,9 @@ struct FluidTraits {
   static constexpr bool takes_forms = requires(F& f, const Shape& shape) {
     f.take_form(std::size_t{}, shape);
   };
-  static constexpr bool has_sides = requires(const F& f, const Vec3d& x) { f.at_the_side(x, 1.0); };
+  static constexpr bool has_sides = requires(const F& f, const Vec3d& x) {
+    f.reaches(f.at_the_side(x, 1.0));
+  };
   static constexpr bool sees_leaving = requires(F & f, const LeftParticle& p) { f.take_away(p); };
   static constexpr bool pushes_walls = requires(const F& f) { f.load_on_driven(std::size_t{}); };
   static constexpr bool checks_steps = requires(const F& f, const FluidPace& pace) {

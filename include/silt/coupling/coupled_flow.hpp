@@ -119,7 +119,7 @@ class BasicCoupledFlow {
       done.flow = flow_.step(dt, team);
       return finish(done, dt);
     }
-    spread_left(particles.shape, team);
+    spread_left(particles, team);
     averaging_->place(particles.shape, team);
     done.averaging = averaging_->report();
     spread_volume(particles, done, team);
@@ -144,7 +144,7 @@ class BasicCoupledFlow {
 
   /// A particle that has left since the last step: its place is given to the fluid in the next one.
   void take_away(const LeftParticle& left) {
-    const Vec3d x = at_the_side(left.position, left.radius);
+    const Vec3d& x = left.position;
     const Quaternion& q = left.orientation;
     left_.insert(left_.end(), {x.x, x.y, x.z, left.radius, left.volume, q.w, q.x, q.y, q.z,
                                static_cast<double>(left.form)});
@@ -156,6 +156,8 @@ class BasicCoupledFlow {
   /// Position of a particle for the fluid: its centre, or the point on the side if the centre is
   /// outside the grid by less than the radius, as in a contact with a wall at the side.
   Vec3d at_the_side(const Vec3d& centre, double radius) const;
+  /// Whether a particle there, as at_the_side() gives it, is in the flow.
+  bool reaches(const Vec3d& position) const;
 
   /// @name FluidCoupling (coupling/concept.hpp)
   /// @{
@@ -226,7 +228,7 @@ class BasicCoupledFlow {
   }
   double longest_step(double speed, const Team& team) const;
   void make_averaging(const CoupledParticles& of, const Team& team);
-  void spread_left(const AveragedParticles& present, const Team& team);
+  void spread_left(const CoupledParticles& present, const Team& team);
   void take_emptied(CellField& more, const Team& team) const;
   void spread_volume(const CoupledParticles& of, CoupledStep& done, const Team& team);
   void find_loads(const Team& team) {
@@ -249,7 +251,7 @@ class BasicCoupledFlow {
   void spread_heat(const CoupledParticles& of, double dt, const Team& team);
   void take_heat(const ParticleHeat& heat, double dt, CoupledStep& done, const Team& team);
   CoupledStep finish(const CoupledStep& done, double dt) {
-    clock.count(dt), last_ = done, closure_.add(done);
+    clock.count(dt), last_ = done, closure_.add(done), left_.clear();
     return done;
   }
 

@@ -59,6 +59,16 @@ Vec3d BasicCoupledFlow<Flow, Drag, Mode, Forces...>::at_the_side(const Vec3d& ce
 }
 
 template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
+bool BasicCoupledFlow<Flow, Drag, Mode, Forces...>::reaches(const Vec3d& x) const {
+  const Grid& g = flow_.grid();
+  const Vec3d &a = g.box().min, &b = g.box().max;
+  const auto within = [&](double v, double low, double high, int d) {
+    return g.periodic(d) || (v >= low && v <= high);
+  };
+  return within(x.x, a.x, b.x, 0) && within(x.y, a.y, b.y, 1) && within(x.z, a.z, b.z, 2);
+}
+
+template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
 template <class Visit>
 void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::for_each_state(const Visit& visit) {
   flow_.for_each_state(visit);

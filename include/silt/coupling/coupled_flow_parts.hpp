@@ -3,25 +3,36 @@
 
 // Part of CoupledFlow: exchange between particles and cells in a fluid step.
 
+#include <limits>
+
 #include <silt/coupling/coupled_flow.hpp>
 
 namespace silt::inline SILT_TARGET {
 
-/// Spreads the volume of the particles that have left since the last step.
+/// Spreads the volume of the particles that have left since the last step, each on the side if its
+/// place is outside the grid.
 template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
-void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::spread_left(const AveragedParticles& present,
+void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::spread_left(const CoupledParticles& of,
                                                                 const Team& team) {
   emptied_.reset();
-  if (left_.empty()) return;
-  const std::size_t n = left_.size() / of_left;
+  const AveragedParticles& present = of.shape;
+  const std::size_t earlier = left_.size() / of_left, n = earlier + of.taken_out.size();
+  if (n == 0) return;
   std::vector<Vec3d> position(n);
   std::vector<double> radius(n), volume(n);
   std::vector<Quaternion> orientation(n);
   std::vector<std::uint32_t> form(n);
   for (std::size_t p = 0; p < n; ++p) {
-    const double* const of = &left_[p * of_left];
-    position[p] = {of[0], of[1], of[2]}, radius[p] = of[3], volume[p] = of[4];
-    orientation[p] = {of[5], of[6], of[7], of[8]}, form[p] = static_cast<std::uint32_t>(of[9]);
+    if (p < earlier) {
+      const double* const l = &left_[p * of_left];
+      position[p] = {l[0], l[1], l[2]}, radius[p] = l[3], volume[p] = l[4];
+      orientation[p] = {l[5], l[6], l[7], l[8]}, form[p] = static_cast<std::uint32_t>(l[9]);
+    } else {
+      const LeftParticle& l = of.taken_out[p - earlier];
+      position[p] = l.position, radius[p] = l.radius, volume[p] = l.volume;
+      orientation[p] = l.orientation, form[p] = l.form;
+    }
+    position[p] = at_the_side(position[p], std::numeric_limits<double>::infinity());
     require(form[p] == 0 || form[p] < present.forms.size(),
             "CoupledFlow: a particle that left has the form ", form[p], ", of ",
             present.forms.size());
@@ -34,7 +45,6 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::spread_left(const AveragedPa
   const std::span<const double> volumes[] = {volume};
   averaging_->spread(volumes, to, team);
   if (const auto* joined = flow_.joined_cells()) joined->spread(*emptied_);
-  left_.clear();
 }
 
 /// Takes from `more` [m3] what the particles that have left had of each cell, as far as the cell is

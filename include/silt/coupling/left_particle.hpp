@@ -10,7 +10,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A particle that was in the fluid in its last step and is there no more.
+/// A particle that was in the fluid in its last step and is there no more, or a part of it.
 struct LeftParticle {
   Vec3d position;               // [m] of the centre of mass in that step
   double radius;                // [m] of the sphere, or of the sphere of equal volume
@@ -21,12 +21,12 @@ struct LeftParticle {
 
 namespace detail {
 
-/// The owner of a place, `ago` [s] before it leaves the fluid.
+/// A volume [m3] of the owner of a place, `ago` [s] before it leaves the fluid.
 template <bool Bodies, class Owner>
-LeftParticle left_particle(const Owner& owner, const Vec3d& position, double ago) {
-  LeftParticle left{position - ago * owner.velocity(), 0, owner.volume()};
+LeftParticle left_particle(const Owner& owner, const Vec3d& position, double volume, double ago) {
+  LeftParticle left{position - ago * owner.velocity(), 0, volume};
   if constexpr (Bodies) {
-    left.radius = std::cbrt(left.volume * (0.75 / std::numbers::pi));
+    left.radius = std::cbrt(owner.volume() * (0.75 / std::numbers::pi));
     left.orientation = owner.principal_axes(), left.form = owner.form();
   } else {
     left.radius = owner.radius();

@@ -12,6 +12,7 @@
 #include <silt/coupling/averaging/averaged_particles.hpp>
 #include <silt/coupling/drag/form_in_flow.hpp>
 #include <silt/coupling/heat_exchange.hpp>
+#include <silt/coupling/left_particle.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -36,9 +37,11 @@ struct CoupledParticles {
   std::span<const FormInFlow> forms = {};  // of bodies, if a force or the drag uses forms
   std::span<const ParticleId> id = {};     // permanent; if a force has a history
   double inertia_factor = 0.4;             // [-] I/(m r^2) of spheres
-  // [m3] of those that have been put there since the last step, 0 of others; left out: none.
+  // [m3] by which each has grown in the fluid since its last step: by its volume if it was not
+  // there; left out: none.
   std::span<const double> put_in = {};
-  const ParticleHeat* heat = nullptr;  // exchange with a fluid that has heat
+  std::span<const LeftParticle> taken_out = {};  // those that have left, and what others have lost
+  const ParticleHeat* heat = nullptr;            // exchange with a fluid that has heat
 };
 
 namespace detail {
@@ -58,12 +61,13 @@ struct ParticlesInFluid {
   std::vector<ParticleId> id;
   std::vector<double> temperature, capacity;  // [K], [J/K] of modules with heat exchange
   double inertia_factor = 0.4;                // [-]
-  std::vector<double> put_in;                 // [m3] volumes of particles new to the fluid, or 0
+  std::vector<double> displaced, put_in;      // [m3] in the fluid; since its last step
+  std::vector<LeftParticle> taken_out;
   bool any_put_in = false;
 
   void resize(std::size_t n, bool bodies, bool spins, bool turns, bool follows) {
     for (auto* v : {&position, &velocity, &acceleration, &force}) v->resize(n);
-    for (auto* v : {&radius, &volume, &mass, &put_in}) v->resize(n);
+    for (auto* v : {&radius, &volume, &mass, &displaced, &put_in}) v->resize(n);
     if (follows) owed.resize(n), drag.resize(n);
     if (spins) spin.resize(n);
     if (turns) torque.resize(n);
@@ -81,6 +85,7 @@ struct ParticlesInFluid {
                          drag};
     all.forms = forms_in_flow, all.id = id, all.inertia_factor = inertia_factor;
     if (any_put_in) all.put_in = put_in;
+    all.taken_out = taken_out;
     return all;
   }
   /// For form f, which exists or is the next one.

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include <silt/fluid/concept.hpp>
@@ -84,6 +85,7 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
   FlowSolver(FlowSolver&&) = default;
   FlowSolver(const FlowSolver& other)
       : s_(other.s_),
+        before_put_in_(other.before_put_in_),
         boundaries_(other.boundaries_),
         projection_(std::make_unique<fluid_detail::FlowProjection>(other.grid())) {}
   FlowSolver& operator=(FlowSolver&&) = default;
@@ -247,6 +249,7 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
   /// fluid out or in, in no time.
   void put_in(const CellField& solids, double least, const Team& team = {}) {
     if (!s_.started || s_.options.model == MomentumModel::Simplified) return;
+    if (!before_put_in_) before_put_in_.emplace(s_.old_eps, s_.older_eps, s_.mass);
     const double over = 1 / grid().cell_volume();
     s_.for_cells(team, [&](int j, int k) {
       const double* const open = open_row(j, k);
@@ -344,6 +347,19 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
   FlowStep step(double dt, const Team& team = {}) {
     require(std::isfinite(dt) && dt > 0, "FlowSolver: a step of ", dt,
             " s must be finite and greater than 0");
+    try {
+      const FlowStep done = make_step(dt, team);
+      before_put_in_.reset();
+      return done;
+    } catch (...) {
+      if (before_put_in_) std::tie(s_.old_eps, s_.older_eps, s_.mass) = std::move(*before_put_in_);
+      before_put_in_.reset();
+      throw;
+    }
+  }
+
+ private:
+  FlowStep make_step(double dt, const Team& team) {
     const bool first = !s_.started;
     if (first) start(team);
     if (s_.jumped) s_.pressure.fill(s_.sides.outlet_pressure());
@@ -390,8 +406,6 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
     s_.sides_changed = false;
     return done;
   }
-
- private:
   /// Updates time-dependent inflows to the end of a step.
   void renew_inflows(double dt) {
     const double end = time() + dt;
@@ -420,6 +434,8 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
   }
 
   FlowState s_;
+  std::optional<std::tuple<CellField, CellField, CellField>>
+      before_put_in_;  // until the step is made
   int boundaries_ = 0;
   std::unique_ptr<fluid_detail::FlowProjection> projection_;  // no state between steps
 };

@@ -78,7 +78,7 @@ class Checkpoint {
   /// Programs that can continue from the file: the policies that determine the state and the
   /// contact history.
   static std::string signature() {
-    return text("silt state 19; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
+    return text("silt state 20; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
                 "; domain ", name_of<typename Sim::Domain>(), "; precision ",
                 name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "",
@@ -157,6 +157,8 @@ class Checkpoint {
     });
     if constexpr (Sim::Fluid::active) {
       detail::visit_columns(a, e.fluid_loads(), e.owners());
+      if (const Vec3d& left = e.fluid_loads().left; Sim::follows_fluid)
+        a.copied("fluid.taken_by_left", std::vector{left.x, left.y, left.z});
       // visit() takes its arguments as mutable; saving does not change them.
       const_cast<typename Sim::Fluid&>(sim.fluid_)
           .for_each_state([&](const std::string& name, const auto& values) {

@@ -283,12 +283,17 @@ template <class Loads>
 void check_loads(const CheckpointLoader& a, const Loads& loads) {
   for_each_column(loads, [&](const auto& column, const auto& values) {
     const std::string name = column.name.text();
-    const bool may_be_new = std::isnan(column.start.x);
     for (std::size_t k = 0; k < values.size(); ++k) {
       const auto& row = values[k];
-      a.need((std::isfinite(row.x + row.y + row.z) || (may_be_new && std::isnan(row.x))) &&
-                 std::isfinite(row.fourth),
-             name, " of particle ", k, " must be finite");
+      if constexpr (requires { row.fourth; }) {
+        const bool may_be_new = std::isnan(column.start.x);
+        a.need((std::isfinite(row.x + row.y + row.z) || (may_be_new && std::isnan(row.x))) &&
+                   std::isfinite(row.fourth),
+               name, " of particle ", k, " must be finite");
+      } else {
+        a.need(std::isfinite(row) && row >= 0, name, " of particle ", k,
+               " must be finite and not negative");
+      }
     }
   });
 }

@@ -82,6 +82,10 @@ void Checkpoint<Sim>::Staged::read_particles(const detail::CheckpointLoader& a) 
     auto& loads = loads_of_particles();
     detail::visit_columns(a, loads, count);
     detail::check_loads(a, loads);
+    if constexpr (Sim::follows_fluid) {
+      const auto left = a.template column<double>("fluid.taken_by_left", 3);
+      loads.left = {left[0], left[1], left[2]};
+    }
   }
   particles_.pad();
   if constexpr (Sim::has_ranks) particles_.ghosts = block_.ghosts;

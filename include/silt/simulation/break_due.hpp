@@ -37,8 +37,6 @@ bool BreakAccess<Sim>::break_due() {
   take_place(parents, fragments);
   if constexpr (Sim::has_ledger)
     if (s.first_kick_) s.book_.was_there(-energy_of_all());
-  if constexpr (Sim::Fluid::active)
-    for (std::size_t k = from; k < s.rows(); ++k) s.engine_.fluid_loads().set_fragment(k);
   // The mass of a cell does not tell how thin it is.
   if (follows && Sim::of_bodies) looks = true;
   for (std::size_t k = from; follows && !looks && k < s.rows(); ++k)
@@ -135,6 +133,8 @@ void BreakAccess<Sim>::break_one(const DueBreak& due, const Owner& p, double vol
       potential += sizes.masses[n] * dot(s.gravity_booked_, all.all()[before + n].position);
     book(k, sizes.dust / broken.mass, potential);
   }
+  if constexpr (Sim::FluidIs::sees_leaving)
+    if (sizes.dust > 0) s.take_from_fluid(k, sizes.dust / broken.mass);
   // [s] in which the whole particle would have arrived
   const double passes = due.speed > 0 ? broken.diameter / due.speed : 0;
   parents.push_back({k, sizes.masses.size(), s.time_ + passes});
@@ -172,6 +172,10 @@ void BreakAccess<Sim>::take_place(const std::vector<Parent>& parents, const Part
     for (std::size_t n = 0; n < p.fragments && p.place != nowhere; ++n, ++k) {
       copy_row(e.modules(), p.place, k);
       ++e.modules().template of<typename Sim::Composition::Breaking>()[k].generation;
+      if constexpr (Sim::Fluid::active) {
+        auto& displaced = e.fluid_loads().displaced;
+        if (displaced[p.place] > 0) displaced[k] = e.volume_of(k);
+      }
     }
   s.breaks_.start(e, s.breakage(), from, [&](ParticleId id) { return rests_until[id - first]; });
   e.remove_all(places, s.domain_, s.dt_);

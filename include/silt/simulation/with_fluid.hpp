@@ -8,51 +8,12 @@
 #include <cmath>
 #include <numbers>
 #include <tuple>
+#include <utility>
 
-#include <silt/coupling/heat_exchange.hpp>
 #include <silt/simulation.hpp>
+#include <silt/simulation/with_fluid_heat.hpp>
 
 namespace silt::inline SILT_TARGET {
-
-namespace detail {
-
-/// The module of a simulation whose particles exchange heat with the fluid.
-template <class M>
-concept HeatsInFluid = Exchanges<M> && requires(const M& m, const Seen& p, const HeatedFluid& f) {
-  { m.conductance(p, f) } -> std::convertible_to<double>;
-  { m.capacity(p) } -> std::convertible_to<double>;
-};
-template <class List>
-struct FindHeated;
-template <class... Ms>
-struct FindHeated<ModuleList<Ms...>> {
-  static constexpr int count = (0 + ... + int{HeatsInFluid<Ms>});
-  static_assert(count <= 1, "two modules exchange heat with the fluid: give one of them");
-  static constexpr std::size_t at = [] {
-    std::size_t k = 0, found = 0;
-    ((HeatsInFluid<Ms> ? found = k++ : k++), ...);
-    return found;
-  }();
-  using type = std::tuple_element_t<at, std::tuple<Ms..., void>>;
-};
-template <class List>
-inline constexpr bool heats_in_fluid = FindHeated<List>::count > 0;
-template <class List>
-using HeatedModule = typename FindHeated<List>::type;
-
-template <class Fluid>
-void check_heat_of_fluid(const Fluid& fluid) {
-  constexpr bool fits = requires { requires Fluid::has_heat; };
-  static_assert(fits,
-                "FluidConvection exchanges heat with a CoupledFlow: give the simulation one, whose "
-                "flow has set_heat(); a gas of given temperature is silt::Convection");
-  if constexpr (fits)
-    require(fluid.flow().has_heat(),
-            "FluidConvection: the flow of the CoupledFlow has no temperature; give it one by "
-            "FlowSolver::set_heat()");
-}
-
-}  // namespace detail
 
 /// Refuses a fluid that does not fit the positions of the particles.
 template <class... Policies>
@@ -67,6 +28,17 @@ void Simulation<Policies...>::prepare_fluid() {
     fluid_.prepare(scene);
   }
   if constexpr (detail::heats_in_fluid<Modules>) detail::check_heat_of_fluid(fluid_);
+}
+
+/// Tells the fluid that a share [-] of particle k is there no more, since its last step.
+template <class... Policies>
+void Simulation<Policies...>::take_from_fluid(std::size_t k, double share) {
+  const double displaced = engine_.fluid_loads().displaced[k];
+  if (!(displaced > 0)) return;
+  const double since =
+      time_ - fluid_.clock.time + fluid_.clock.last_step - (1 - Integrator::first_kick) * dt_;
+  fluid_.take_away(detail::left_particle<of_bodies>(engine_.owner(k), position(k),
+                                                    share * displaced, std::max(since, 0.0)));
 }
 
 /// Evaluates the fluid and its loads on the particles anew when it is due.
@@ -198,7 +170,7 @@ void Simulation<Policies...>::renew_fluid() {
       using Row = detail::VectorRow;
       const std::size_t k = p.place[n];
       const double inv_m = std::isfinite(p.mass[n]) ? 1 / p.mass[n] : 0;
-      loads.force[k] = Row::of(p.force[n]);
+      loads.force[k] = Row::of(p.force[n]), loads.displaced[k] = p.displaced[n];
       if constexpr (follows_fluid) {
         const auto start = fluid_.start_of(n);
         const auto& drag = p.drag[n];
@@ -215,37 +187,6 @@ void Simulation<Policies...>::renew_fluid() {
       if constexpr (turned_by_fluid) loads.torque[k] = Row::of(p.torque[n]);
     }
   });
-}
-
-/// The heat exchanged with particles in the fluid's step; after gather_for_fluid().
-template <class... Policies>
-ParticleHeat Simulation<Policies...>::heat_in_fluid() {
-  ParticleHeat heat;
-  if constexpr (detail::heats_in_fluid<Modules>) {
-    using M = detail::HeatedModule<Modules>;
-    auto& p = in_fluid_;
-    const auto& fields = engine_.modules().template of<M>();
-    p.temperature.resize(p.place.size()), p.capacity.resize(p.place.size());
-    for (std::size_t n = 0; n < p.place.size(); ++n) {
-      const std::size_t k = p.place[n];
-      p.temperature[n] = fields[k].*M::exchanged;
-      p.capacity[n] = modules_.template get<M>().capacity(engine_.seen(k, time_));
-    }
-    heat.temperature = p.temperature, heat.capacity = p.capacity;
-    heat.conductance = [this](std::size_t n, const HeatedFluid& here) {
-      return modules_.template get<M>().conductance(engine_.seen(in_fluid_.place[n], time_), here);
-    };
-  }
-  return heat;
-}
-template <class... Policies>
-void Simulation<Policies...>::take_heat_of_fluid() {
-  if constexpr (detail::heats_in_fluid<Modules>) {
-    using M = detail::HeatedModule<Modules>;
-    auto& fields = engine_.modules().template of<M>();
-    for (std::size_t n = 0; n < in_fluid_.place.size(); ++n)
-      fields[in_fluid_.place[n]].*M::exchanged = in_fluid_.temperature[n];
-  }
 }
 
 /// Drag at the present velocities of the particles.
@@ -294,6 +235,21 @@ Vec3d Simulation<Policies...>::due_from_fluid([[maybe_unused]] std::size_t k) co
   }
 }
 
+template <class... Policies>
+void Simulation<Policies...>::gather_forms_for_fluid() {
+  [[maybe_unused]] auto& p = in_fluid_;
+  if constexpr (of_bodies)
+    for (std::size_t f = 0; f < engine_.mover.forms.size(); ++f) {
+      const auto& form = engine_.mover.forms[f];
+      if (f < p.made.size() && p.made[f] == form.made()) continue;
+      if constexpr (FluidIs::sees_forms) p.put(p.forms_in_flow, f, form_in_flow(form.shape));
+      if constexpr (FluidIs::template takes_forms<ShapeType>) fluid_.take_form(f, form.shape);
+      p.put(p.forms, f, averaged_form(form.shape)), p.put(p.made, f, form.made());
+    }
+  else
+    p.inertia_factor = ShapeType::inertia_factor();
+}
+
 /// Returns the largest speed [m/s].
 template <class... Policies>
 double Simulation<Policies...>::gather_for_fluid() {
@@ -303,25 +259,19 @@ double Simulation<Policies...>::gather_for_fluid() {
   for (std::size_t k = 0; k < rows(); ++k)
     if (is_present(k)) p.place.push_back(k);
   p.resize(p.place.size(), of_bodies, FluidIs::needs_spin, turned_by_fluid, follows_fluid);
-  if constexpr (of_bodies)
-    for (std::size_t f = 0; f < engine_.mover.forms.size(); ++f) {
-      const auto& form = engine_.mover.forms[f];
-      if (f < p.made.size() && p.made[f] == form.made()) continue;
-      if constexpr (FluidIs::sees_forms) p.put(p.forms_in_flow, f, form_in_flow(form.shape));
-      if constexpr (FluidIs::template takes_forms<ShapeType>) fluid_.take_form(f, form.shape);
-      p.put(p.forms, f, averaged_form(form.shape)), p.put(p.made, f, form.made());
-    }
-  if constexpr (!of_bodies) p.inertia_factor = ShapeType::inertia_factor();
+  gather_forms_for_fluid();
   const double span = fluid_.clock.last_step;
   std::array<double, Team::most_ranges> fastest{};
-  std::array<bool, Team::most_ranges> put_in{};
+  std::array<bool, Team::most_ranges> put_in{}, taken_out{};
   engine_.team().for_ranges(p.place.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
     for (std::size_t n = from; n < to; ++n) {
       const std::size_t k = p.place[n];
-      if constexpr (FluidIs::has_sides)
+      p.position[n] = position(k);
+      bool is_inside = true;
+      if constexpr (FluidIs::has_sides) {
         p.position[n] = fluid_.at_the_side(position(k), radius(k));
-      else
-        p.position[n] = position(k);
+        is_inside = fluid_.reaches(p.position[n]);
+      }
       p.mass[n] = mass(k);
       p.id[n] = id(k);
       const auto owner = engine_.owner(k);
@@ -335,8 +285,10 @@ double Simulation<Policies...>::gather_for_fluid() {
       if constexpr (FluidIs::needs_spin) p.spin[n] = owner.angular_velocity();
       // Mean effect of the other forces since the fluid was last evaluated.
       const Vec3d unforced = loads.unforced[k].vector();
-      const bool known = span > 0 && !loads.is_new(k), is_put_in = span > 0 && loads.is_put_in(k);
-      p.put_in[n] = is_put_in ? p.volume[n] : 0, put_in[r] = put_in[r] || is_put_in;
+      const bool known = span > 0 && !loads.is_new(k);
+      p.displaced[n] = is_inside ? p.volume[n] : 0;
+      p.put_in[n] = span > 0 ? p.displaced[n] - loads.displaced[k] : 0;
+      put_in[r] = put_in[r] || p.put_in[n] > 0, taken_out[r] = taken_out[r] || p.put_in[n] < 0;
       if constexpr (follows_fluid) {
         const bool in_fluid = known && loads.given[k].fourth > 0;
         p.owed[n] = in_fluid && std::isfinite(p.mass[n]) ? loads.taken[k].vector() : Vec3d{0, 0, 0};
@@ -347,7 +299,15 @@ double Simulation<Policies...>::gather_for_fluid() {
       fastest[r] = std::max(fastest[r], norm(p.velocity[n]));
     }
   });
-  p.any_put_in = std::find(put_in.begin(), put_in.end(), true) != put_in.end();
+  const auto any = [](const auto& of) { return std::find(of.begin(), of.end(), true) != of.end(); };
+  p.any_put_in = any(put_in), p.taken_out.clear();
+  for (std::size_t n = 0; n < p.place.size() && any(taken_out); ++n)
+    if (p.put_in[n] < 0) {
+      const std::size_t k = p.place[n];
+      p.taken_out.push_back(detail::left_particle<of_bodies>(engine_.owner(k), position(k),
+                                                             -std::exchange(p.put_in[n], 0.0),
+                                                             p.displaced[n] > 0 ? 0 : span));
+    }
   return *std::max_element(fastest.begin(), fastest.end());
 }
 

@@ -85,13 +85,7 @@ void Simulation<Policies...>::book_gravity() {
 template <class... Policies>
 void Simulation<Policies...>::book_leaving([[maybe_unused]] std::size_t k) {
   if constexpr (has_breakage) this->note_leaving(k);
-  if constexpr (FluidIs::sees_leaving)
-    if (const double span = fluid_.clock.last_step;  // of the fluid's last step
-        span > 0 && !engine_.fluid_loads().is_put_in(k)) {
-      const double since = time_ - fluid_.clock.time + span - (1 - Integrator::first_kick) * dt_;
-      fluid_.take_away(
-          detail::left_particle<of_bodies>(engine_.owner(k), position(k), std::max(since, 0.0)));
-    }
+  if constexpr (FluidIs::sees_leaving) take_from_fluid(k, 1);
   if constexpr (has_ledger) {
     if (first_kick_ || !std::isfinite(mass(k))) return;
     // Unless the step is observed, rows hold the velocity of half a step ago, corrected here by

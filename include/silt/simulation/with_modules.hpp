@@ -11,6 +11,12 @@
 
 namespace silt::inline SILT_TARGET {
 
+template <class... Policies>
+std::size_t Simulation<Policies...>::present_for_fluxes() const {
+  if constexpr (has_ranks) return engine_.ranks.present();
+  return engine_.present();
+}
+
 /// Sets the initial field values of the particles from place `from` on.
 template <class... Policies>
 void Simulation<Policies...>::start_fields([[maybe_unused]] std::size_t from) {

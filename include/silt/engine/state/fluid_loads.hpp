@@ -32,7 +32,7 @@ struct alignas(32) VectorRow {
 
 /// Loads of a fluid on particles, one row each, applied until the fluid is evaluated again, and the
 /// data that the coupling then needs from this evaluation. A new particle has no load, and NaN as x
-/// of its unforced velocity; a fragment also as y.
+/// of its unforced velocity.
 template <FromFluid What>
 struct FluidLoads {
   static constexpr bool any = What != FromFluid::Nothing;
@@ -43,6 +43,9 @@ struct FluidLoads {
   /// [m/s] The velocity the particle would now have if only drag had acted since the last
   /// evaluation; the difference to its velocity is due to all other forces.
   AlignedVector<VectorRow> unforced;
+  /// [m3] Volume that the particle had in the fluid at its last evaluation; 0: it was not there.
+  /// Fragments have their own volume, in the place of the particle that was there.
+  AlignedVector<double> displaced;
   // For drag that is recomputed in each step. The fourth number of each row is given in brackets.
   AlignedVector<VectorRow> held;       // [N] forces besides drag (drag coefficient [kg/s])
   AlignedVector<VectorRow> flow;       // [m/s] the fluid's velocity (voidage [-])
@@ -52,10 +55,7 @@ struct FluidLoads {
   AlignedVector<VectorRow> taken;  // [N s] since then, less the planned part
   Vec3d left{0, 0, 0};             // [N s] taken by particles that left since the last read
 
-  /// Row k is a fragment, which takes the place of a particle that the fluid knows.
-  void set_fragment(std::size_t k) { unforced[k].y = std::numeric_limits<double>::quiet_NaN(); }
   bool is_new(std::size_t k) const { return std::isnan(unforced[k].x); }
-  bool is_put_in(std::size_t k) const { return is_new(k) && !std::isnan(unforced[k].y); }
 
   static constexpr auto columns() {
     constexpr VectorRow unknown{std::numeric_limits<double>::quiet_NaN(), 0, 0, 0};
@@ -65,7 +65,9 @@ struct FluidLoads {
               column<VectorRow>(
                   "fluid.force", [](auto& t) -> auto& { return t.force; }),
               column<VectorRow>(
-                  "fluid.unforced", [](auto& t) -> auto& { return t.unforced; }, unknown)};
+                  "fluid.unforced", [](auto& t) -> auto& { return t.unforced; }, unknown),
+              column<double>(
+                  "fluid.displaced", [](auto& t) -> auto& { return t.displaced; })};
         }),
         columns_if<turns>([] {
           return std::tuple{column<VectorRow>(
