@@ -10,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include <silt/coupling/left_particle.hpp>
 #include <silt/simulation.hpp>
 #include <silt/simulation/with_fluid_heat.hpp>
 
