@@ -394,6 +394,39 @@ TEST_CASE("inlet: a mass rate of a recipe brings that mass, and the kinds by the
   CHECK(has_words(refusal<InputError>([&] { sim.add_inlet(mouth, wanted); }), {"thinner"}));
 }
 
+TEST_CASE("inlet: velocities scatter uniformly, all spin as they are told, and the ledger closes") {
+  silt::Simulation sim{silt::Particles<Sphere>{}, silt::Contacts<HertzMindlin>{rubber},
+                       silt::EnergyLedger{}};
+  sim.gravity = {0, 0, -9.81};
+  sim.time_step = step;
+  InletFlow wanted = flow(20000, {0, 0, -2});
+  wanted.angular_velocity = {0, 30, 0}, wanted.scatter = {0.5, 0, 1};
+  sim.add_inlet(Box{{0, 0, 0.05}, {3, 3, 0.06}}, wanted);  // so wide that none meet
+  sim.run(0.02);
+  const auto n = static_cast<double>(sim.size());
+  CHECK(n > 300);
+  double sum = 0, squares = 0, most = 0;
+  for (std::size_t k = 0; k < sim.rows(); ++k) {
+    const double x = sim.velocity(k).x;
+    sum += x, squares += x * x, most = std::max(most, std::abs(x));
+    CHECK(sim.velocity(k).y == 0);
+  }
+  // Uniform in +-0.5: variance 1/12; 4 standard deviations of mean and variance.
+  CHECK(std::abs(sum / n) < 4 * std::sqrt(1.0 / 12 / n));
+  CHECK(std::abs(squares / n - 1.0 / 12) < 4 * std::sqrt(1.0 / 180 / n));
+  CHECK(most < 0.5);
+  CHECK(sim.angular_velocity(0) == Vec3d{0, 30, 0});
+  // Catches a booking with the mean velocity in place of that of each.
+  const auto e = sim.energy();
+  CHECK(std::abs(e.residual()) < 1e-10 * sim.kinetic_energy());
+  wanted.scatter = {0, -1, 0};
+  CHECK(has_words(refusal<InputError>([&] { sim.add_inlet(mouth, wanted); }),
+                  {"InletFlow.scatter", "not negative"}));
+  wanted.scatter = {0, 0, 0}, wanted.angular_velocity.x = std::nan("");
+  CHECK(has_words(refusal<InputError>([&] { sim.add_inlet(mouth, wanted); }),
+                  {"InletFlow.angular_velocity", "finite"}));
+}
+
 TEST_CASE(
     "outlet: sees where a particle is in a periodic box, though it has left it for a moment") {
   silt::Particles<Sphere> p;

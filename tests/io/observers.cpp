@@ -14,6 +14,7 @@
 
 #include <silt/boundary/finite_walls.hpp>
 #include <silt/io/observers.hpp>
+#include <silt/io/particle_csv.hpp>
 #include <silt/io/wall_series.hpp>
 
 #include "near.hpp"
@@ -136,6 +137,45 @@ TEST_CASE("schedule: runs the end of the duration, where it is a multiple of the
     sim.run(0.0012, silt::at(every(0.0004), Times{&times}));
     REQUIRE(!times.empty());
     CHECK(times.back() == near(0.0012 * (part + 1)).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("schedule: every so many steps, over several runs, with a step that changes") {
+  auto sim = scene();
+  std::vector<std::int64_t> seventh, each;
+  auto note = [](std::vector<std::int64_t>& of) {
+    return [&of](const auto& s) { of.push_back(s.step()); };
+  };
+  auto sevenths = silt::at(silt::every_steps(7), note(seventh));
+  auto all = silt::at(silt::every_steps(1), note(each));
+  sim.run(10 * step, sevenths, all);
+  sim.time_step = 0.5 * step;
+  sim.run(5 * step, sevenths, all);
+  CHECK(sim.step() == 20);
+  CHECK(seventh == std::vector<std::int64_t>{0, 7, 14});
+  REQUIRE(each.size() == 21);
+  for (std::size_t k = 0; k < each.size(); ++k) CHECK(each[k] == static_cast<std::int64_t>(k));
+  for (const std::int64_t steps : {0, -3})
+    CHECK(has_words(refusal<silt::InputError>([&] { silt::every_steps(steps); }),
+                    {"every_steps", "at least 1"}));
+}
+
+// Catches columns of csv_series that the reader takes for misprints.
+TEST_CASE("a table of particles that silt has written can be read again") {
+  const Folder folder;
+  auto sim = scene();
+  sim.run(0.002);
+  silt::write_particle_csv(folder / "all.csv", sim);
+  silt::Particles<Sphere> again;
+  again.read(folder / "all.csv", {.density = 2500});
+  REQUIRE(again.size() == sim.size());
+  for (silt::ParticleId id = 0; id < 64; ++id) {
+    const std::size_t k = sim.find(id);
+    const auto& p = again.all()[id];
+    CHECK(p.position == sim.position(k));
+    CHECK(p.velocity == sim.velocity(k));
+    CHECK(p.angular_velocity == sim.angular_velocity(k));
+    CHECK(p.radius == sim.radius(k));
   }
 }
 

@@ -66,11 +66,17 @@ class ParticleReader {
     Wy,
     Wz,
     Material,
-    column_count
+    column_count,
+    Skipped = column_count  // of a table by write_particle_csv
   };
   static constexpr std::array<std::string_view, column_count> column_names{
       "x",  "y",  "z",  "radius", "diameter", "density", "vx",
       "vy", "vz", "wx", "wy",     "wz",       "material"};
+  /// Vx to Wz in a table that write_particle_csv has written: its first column is id, and it may
+  /// have others that a scene does not read.
+  static constexpr std::array<std::string_view, 6> of_csv{
+      "velocity x",         "velocity y",         "velocity z",
+      "angular velocity x", "angular velocity y", "angular velocity z"};
   static constexpr std::string_view expected =
       "that names its columns, among: x y z, radius or diameter, and optionally density, vx vy vz, "
       "wx wy wz, material";
@@ -113,8 +119,16 @@ class ParticleReader {
     if (line.find(',') != line.npos) separator_ = ',';
     if (line.find(';') != line.npos) separator_ = ';';
     std::string_view name;
+    bool of_simulation = false;
     while (next_value(line, name)) {
-      const auto known = std::find(column_names.begin(), column_names.end(), name);
+      if (columns_.empty() && name == "id") of_simulation = true;
+      const auto* known = std::find(column_names.begin(), column_names.end(), name);
+      for (std::size_t k = 0; k < of_csv.size() && of_simulation; ++k)
+        if (name == of_csv[k]) known = column_names.begin() + Vx + k;
+      if (known == column_names.end() && of_simulation) {
+        columns_.push_back(Skipped);
+        continue;
+      }
       if (known == column_names.end())
         fail(in_quotes(name),
              " is not a column name; the first line that is not a comment must be one ", expected);
@@ -139,7 +153,8 @@ class ParticleReader {
     std::string_view value;
     std::size_t found = 0;
     for (; next_value(line, value); ++found)
-      if (found < columns_.size()) row[columns_[found]] = number(columns_[found], value);
+      if (found < columns_.size() && columns_[found] != Skipped)
+        row[columns_[found]] = number(columns_[found], value);
     if (found != columns_.size())
       fail("has ", found, " values, but the header names ", columns_.size(), " columns");
   }

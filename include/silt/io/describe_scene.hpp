@@ -144,6 +144,7 @@ void describe_inlet(const Describer& is, const Inlet& inlet, const Sim& sim) {
   is("region", inlet.region), is("density [kg/m3]", flow.density), is("rate [1/s]", flow.rate);
   is("least radius [m]", flow.radius.min()), is("largest radius [m]", flow.radius.max());
   is("mean volume [m3]", flow.radius.mean_volume()), is("velocity", flow.velocity);
+  is("angular velocity", flow.angular_velocity), is("scatter of velocity", flow.scatter);
   is("total", flow.total), material("material", flow.material), form("form", flow.form);
   is("seed", text(flow.seed)), is("trials", flow.trials), is("interval [s]", flow.interval);
   for (std::size_t k = 1; k < flow.kinds(); ++k) {

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// When observers act: at multiples of an interval of simulated time.
+// When observers act: at multiples of an interval of simulated time, or of a number of steps.
 
 #include <cmath>
 #include <cstdint>
@@ -11,9 +11,16 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Due at every multiple of `interval` [s] of simulated time, at the nearest step.
+/// Due at every multiple of `interval` [s] of simulated time, at the nearest step; or at every
+/// multiple of a number of steps.
 class Schedule {
  public:
+  static Schedule of_steps(std::int64_t steps) {
+    require(steps > 0, "every_steps: ", steps, " steps must be at least 1");
+    Schedule schedule(1);
+    schedule.steps_ = steps;
+    return schedule;
+  }
   explicit Schedule(double interval) : interval_(interval) {
     require_positive("every: interval", interval, "s");
   }
@@ -39,22 +46,28 @@ class Schedule {
  private:
   template <class Sim>
   std::int64_t number(const Sim& sim) const {
+    if (steps_ > 0) return sim.step() / steps_;
     return static_cast<std::int64_t>(
         std::floor((sim.time() + 0.5 * sim.step_length()) / interval_ * (1 + 1e-12)));
   }
   /// Whether the last instant is at most `steps` steps ago, or half a step ahead.
   template <class Sim>
   bool on_time(const Sim& sim, double steps) const {
+    if (steps_ > 0) return sim.step() % steps_ == 0;
     const double since = sim.time() - static_cast<double>(number(sim)) * interval_;
     return since <= steps * (1 + 1e-9) * sim.step_length();
   }
 
-  double interval_;  // [s]
+  double interval_;         // [s]
+  std::int64_t steps_ = 0;  // in place of it
   std::int64_t last_ = -1;
   bool begun_ = false;
 };
 
 inline Schedule every(double interval) { return Schedule(interval); }
+/// Every so many steps of the simulation, counted from its start; every_steps(1): each step. The
+/// times change with the time step.
+inline Schedule every_steps(std::int64_t steps) { return Schedule::of_steps(steps); }
 
 /// Effect of an action on the simulation: any; reads it only; saves it.
 enum class ActionKind { Any, Reads, Saves };

@@ -59,7 +59,7 @@ double Simulation<Policies...>::expected_speed() const {
       largest = std::max(largest, radius(k));
     }
   for (const auto& inlet : openings_.inlets()) {
-    speed = std::max(speed, norm(inlet.flow.velocity));
+    speed = std::max(speed, norm(inlet.flow.velocity) + norm(inlet.flow.scatter));
     include(inlet.bounds.min), include(inlet.bounds.max);
   }
   // Walls where they may touch particles, whose surfaces extend beyond their centres.

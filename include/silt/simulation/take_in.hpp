@@ -74,9 +74,10 @@ double Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
   take_in(std::span<const Particle>(more), {});
   if constexpr (has_ledger) {
     // The ledger needs that of this instant.
-    for (std::size_t k = before; k < rows() && !first_kick_; ++k)
-      book_.bring_in(0.5 * mass(k) *
-                     (dot(flow.velocity, flow.velocity) - dot(staggered, staggered)));
+    for (std::size_t k = before; k < rows() && !first_kick_; ++k) {
+      const Vec3d row = engine_.owner(k).velocity(), now = row + ago * gravity;
+      book_.bring_in(0.5 * mass(k) * (dot(now, now) - dot(row, row)));
+    }
   }
   double brought = 0;  // [kg]
   if constexpr (has_ranks)

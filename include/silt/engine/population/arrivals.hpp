@@ -198,8 +198,8 @@ void take_in_own(Engine& e, std::span<const Particle> more, std::span<const std:
   e.join_own(p.owned() - before);
 }
 
-/// The particles that an inlet creates at these places, with `velocity` [m/s]; bodies with random
-/// orientations.
+/// The particles that an inlet creates at these places, with `velocity` [m/s] and its scatter;
+/// bodies with random orientations.
 template <class Particle>
 std::vector<Particle> particles_at(const std::vector<PlacedSphere>& places,
                                    const std::vector<std::size_t>& kinds, const InletFlow& flow,
@@ -212,7 +212,13 @@ std::vector<Particle> particles_at(const std::vector<PlacedSphere>& places,
     if constexpr (requires { p.orientation; })
       p.form = kind.form, p.orientation = random_orientation(random);
     p.position = s.position, p.radius = s.radius, p.density = kind.density;
-    p.velocity = velocity, p.material = kind.material;
+    p.velocity = velocity, p.angular_velocity = flow.angular_velocity;
+    if (const Vec3d& s = flow.scatter; norm(s) > 0) {
+      const auto of = [&](double most) { return random.uniform(-most, most); };
+      const double x = of(s.x), y = of(s.y), z = of(s.z);
+      p.velocity += Vec3d{x, y, z};
+    }
+    p.material = kind.material;
     more.push_back(p);
   }
   return more;

@@ -52,6 +52,8 @@ struct InletFlow {
   std::size_t form = 0;                 // [-] for bodies, which get random orientations
   double mass_rate = 0;                 // [kg/s] in place of `rate`
   std::vector<InletShare> recipe = {};  // further kinds of particles
+  Vec3d angular_velocity{0, 0, 0};      // [rad/s]
+  Vec3d scatter{0, 0, 0};  // [m/s] each component of a velocity differs by up to this, uniformly
 
   std::size_t kinds() const { return 1 + recipe.size(); }
   InletShare kind(std::size_t k) const {
@@ -127,6 +129,11 @@ class Openings {
     require_not_negative("InletFlow.interval", flow.interval, "s");
     require(is_finite(flow.velocity), "InletFlow.velocity = ", flow.velocity,
             " [m/s] must be finite");
+    require(is_finite(flow.angular_velocity),
+            "InletFlow.angular_velocity = ", flow.angular_velocity, " [rad/s] must be finite");
+    const Vec3d& s = flow.scatter;
+    require(is_finite(s) && std::min({s.x, s.y, s.z}) >= 0, "InletFlow.scatter = ", s,
+            " [m/s] must be finite and not negative");
     require(flow.trials > 0, "InletFlow.trials = 0 [-] must be at least 1");
     const auto place = region_of(region);
     const Box bounds = place.bounds();
