@@ -35,6 +35,7 @@ AXES = {
         "contact/cohesion/area_cohesion.hpp": ["AreaCohesion"],
         "contact/cohesion/van_der_waals.hpp": ["VanDerWaals"],
         "contact/cohesion/capillary_bridge.hpp": ["BasicCapillaryBridge"],
+        "contact/cohesion/viscous_bridge.hpp": ["BasicViscousBridge"],
     }),
     "Neighbour searches": ("How pairs of particles that may touch are found.", "search.md", {
         "search/verlet_list.hpp": ["VerletList"],

@@ -31,6 +31,7 @@
 #include <silt/contact/cohesion/capillary_bridge.hpp>
 #include <silt/contact/cohesion/dmt.hpp>
 #include <silt/contact/cohesion/van_der_waals.hpp>
+#include <silt/contact/cohesion/viscous_bridge.hpp>
 #include <silt/contact/contacts.hpp>
 #include <silt/contact/damped_impact.hpp>
 #include <silt/contact/dcdem.hpp>

@@ -3,6 +3,7 @@
 #include <silt/contact/cohesion/capillary_bridge.hpp>
 #include <silt/contact/cohesion/dmt.hpp>
 #include <silt/contact/cohesion/van_der_waals.hpp>
+#include <silt/contact/cohesion/viscous_bridge.hpp>
 #include <silt/contact/contacts.hpp>
 #include <silt/contact/hertz_mindlin.hpp>
 #include <silt/contact/jkr.hpp>
@@ -128,6 +129,47 @@ TEST_CASE("capillary_bridge: Rabinovich's first term is the slope of its energy"
     // sin^2 a of the second term is 1e-3 at most here.
     CHECK(near_relative(attraction<Rabinovich>(CapillaryBridge::Pair{g, 0, V}, H), slope, 5e-3));
   }
+}
+
+TEST_CASE("viscous_bridge: resistance by hand, beside the capillary force, by the gap") {
+  // 6 pi 0.01 (0.5e-3)^2/1e-5 0.2 = 9.4248e-4 N; 6 pi 0.01 0.5e-3 (8/15 ln 50 + 0.9588) 0.3
+  // = 8.6104e-5 N.
+  const ViscousBridge::Pair syrup{.surface_tension = 0.072,
+                                  .contact_angle = 20 * pi / 180,
+                                  .volume = 1e-12,
+                                  .viscosity = 0.01,
+                                  .roughness = 1e-6};
+  const auto p = ViscousBridge::mix(syrup);
+  auto c = apart(1e-5);
+  const double still = ViscousBridge::attraction(c, p);
+  CHECK(near_relative(still, attraction<CapillaryBridge>(water, 1e-5), 1e-14));
+  c.normal_velocity = 0.2, c.tangential_velocity = {0, 0.3, 0};
+  CHECK(near_relative(ViscousBridge::attraction(c, p) - still, 9.4248e-4, 1e-4));
+  CHECK(near_relative(ViscousBridge::resistance(c, p).y, -8.6104e-5, 1e-4));
+  // Against the motion in both directions; constant below the roughness and in contact.
+  c.normal_velocity = -0.2;
+  CHECK(near_relative(still - ViscousBridge::attraction(c, p), 9.4248e-4, 1e-4));
+  for (const double gap : {1e-6, 1e-8, -1e-6}) {
+    auto close = apart(gap);
+    const double at_rest = ViscousBridge::attraction(close, p);
+    close.normal_velocity = 0.2;
+    CHECK(near_relative(ViscousBridge::attraction(close, p) - at_rest, 9.4248e-3, 1e-4));
+  }
+  // Not before the bridge has formed, nor after it has ruptured.
+  using Syrup = Cohesive<HertzMindlin, ViscousBridge>;
+  const auto law = mixed<Syrup>({glass, syrup});
+  for (const double attached : {0.0, 1.0})
+    for (const double gap : {1e-5, 2e-4}) {
+      auto far = apart(gap);
+      far.normal_velocity = 0.2, far.tangential_velocity = {0, 0.3, 0};
+      Syrup::History<double> h{};
+      h.attached = attached;
+      const auto f = Syrup::force(far, law, h);
+      CHECK((f.tangential.y != 0) == (attached == 1 && gap == 1e-5));
+      CHECK((f.normal != 0) == (attached == 1 && gap == 1e-5));
+    }
+  // The step resolves the relaxation at the roughness, 1e-7 1e-6/(6 pi 0.01 (0.5e-3)^2) s.
+  CHECK(near_relative(Syrup::contact_time(law, 0.5e-3, 1e-7, 1e-3), 5 * 2.12207e-6, 1e-4));
 }
 
 TEST_CASE("dmt: pull-off 2 pi w R*, 4/3 of that of JKR") {
@@ -275,6 +317,17 @@ TEST_CASE("cohesion: refuses values out of range and names them") {
         },
         {"CapillaryBridge.contact_angle", "[0, pi/2)"});
   refuses([] { CapillaryBridge::check({1, 0, -1}); }, {"CapillaryBridge.volume = -1 [m3]"});
+  refuses(
+      [] {
+        ViscousBridge::check({0, 0, 1e-12, -1, 1e-6});
+      },
+      {"ViscousBridge.viscosity = -1 [Pa s]"});
+  refuses(
+      [] {
+        ViscousBridge::check({0, 0, 1e-12, 1, 0});
+      },
+      {"ViscousBridge.roughness = 0 [m]", "greater than 0"});
+  refuses([] { ViscousBridge::check({0, 2, 1e-12, 1, 1e-6}); }, {"ViscousBridge.contact_angle"});
   refuses([] { Dmt::check({-1}); }, {"Dmt.work_of_adhesion = -1 [J/m2]"});
   // Both parts of a cohesive law are looked at.
   refuses([] { Dusty::check(Dusty::Material{glass, {-1, 1e-9, 1e-6}}); }, {"VanDerWaals.hamaker"});

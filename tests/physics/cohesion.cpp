@@ -11,6 +11,7 @@
 #include <silt/contact/cohesion/capillary_bridge.hpp>
 #include <silt/contact/cohesion/dmt.hpp>
 #include <silt/contact/cohesion/van_der_waals.hpp>
+#include <silt/contact/cohesion/viscous_bridge.hpp>
 #include <silt/contact/hertz_mindlin.hpp>
 #include <silt/contact/jkr.hpp>
 #include <silt/contact/linear_spring.hpp>
@@ -187,6 +188,32 @@ TEST_CASE("cohesion: a bounce with a bridge costs the work of tearing it, once")
   const double away = velocity_of(pair, 1).z - velocity_of(pair, 0).z;
   const double tear = work<Wet>(wet, radius / 2, rupture) / (mass / 2);
   CHECK(near_relative(away, std::sqrt(4 * least * least - 2 * tear), 0.01));
+}
+
+TEST_CASE(
+    "cohesion: a viscous bridge takes the speed of its closed form, or keeps what is slower") {
+  using Syrup = Cohesive<HertzMindlin, ViscousBridge>;
+  const double h = 1e-6;  // [m]
+  const Syrup::Material syrup{
+      elastic, {.contact_angle = 0.3, .volume = 1e-12, .viscosity = 0.01, .roughness = h}};
+  const double rupture = ViscousBridge::range(ViscousBridge::mix(syrup.cohesion), radius);
+  const double lost = 6 * std::numbers::pi * 0.01 * radius * radius / mass_of(radius, density) *
+                      (1 + std::log(rupture / h));  // [m/s]
+  for (const double share : {0.5, 1.2, 2.0, 5.0}) {
+    CAPTURE(share);
+    // It touches, so that the bridge is there, with next to no energy in the spring.
+    auto sim =
+        scene<Syrup>(syrup, {sphere({0, 0, radius - 1e-9}, {0, 0, share * lost})}, EnergyLedger{});
+    sim.add_wall(Plane{{0, 0, 0}, {0, 0, 1}}, syrup);
+    sim.time_step = 5e-8;
+    sim.run(share > 1 ? 4 * rupture / (lost * (share - 1)) : 2e-3);
+    const double v = velocity_of(sim, 0).z;
+    if (share > 1)
+      CHECK(near_relative(v, (share - 1) * lost, 0.01 / (share - 1)));  // of the cut gap, O(dt)
+    else
+      CHECK((v < 1e-3 * lost && sim.position(0).z < radius + rupture));
+    CHECK(std::abs(sim.energy().residual()) < 1e-6 * sim.energy().initial);
+  }
 }
 
 TEST_CASE("cohesion: JKR spheres stick below the closed form's speed and lose that energy above") {

@@ -20,6 +20,12 @@ namespace silt::inline SILT_TARGET {
 /// Optional:
 ///   static Real range(Coefficients<Real>, Real R_eff)    [m] beyond touch, see ContactLaw
 ///   static constexpr bool forms_at_touch = true          forms at touch, ends at its range
+///   static Vec3<Real> resistance(Contact<Real>, Coefficients<Real>)    [N] further tangential
+///     force; of a law with friction
+///   static double relaxation(Coefficients<double>, double R_eff, double m_eff)    [s], for the
+///   time
+///     step: in which forces that depend on the velocity stop the mass; then attraction() may be
+///     negative
 ///   static double passing_time(Coefficients<double>, double speed)    [s], for the time step: in
 ///     which the attraction changes from zero to its full value
 /// As in a contact law, attraction() and range() run on packs of lanes: use select(), not `if`.
@@ -129,7 +135,7 @@ struct Cohesive {
     const Real pull = attraction(c, p, h);
     if constexpr (is_frictional<Body>) {
       const Traction<Real> f = of_body(c, p, h);
-      return Traction<Real>{f.normal - pull, f.tangential};
+      return Traction<Real>{f.normal - pull, resisted(f.tangential, c, p, h)};
     } else {
       return Real(of_body(c, p, h) - pull);
     }
@@ -190,6 +196,8 @@ struct Cohesive {
     const double body = Body::contact_time(p.body, R_eff, m_eff, speed);
     if constexpr (requires { Cohesion::passing_time(p.cohesion, speed); })
       return std::min(body, Cohesion::passing_time(p.cohesion, speed));
+    else if constexpr (requires { Cohesion::relaxation(p.cohesion, R_eff, m_eff); })
+      return std::min(body, 5 * Cohesion::relaxation(p.cohesion, R_eff, m_eff));
     else
       return body;
   }
@@ -204,6 +212,19 @@ struct Cohesive {
   }
 
  private:
+  /// A tangential force with the model's resistance added.
+  template <class Real>
+  static SILT_INLINE Vec3<Real> resisted(const Vec3<Real>& tangential, const Contact<Real>& c,
+                                         const Coefficients<Real>& p,
+                                         [[maybe_unused]] const History<Real>& h) {
+    if constexpr (requires { Cohesion::resistance(c, p.cohesion); }) {
+      Real acts = select(near(c, p), Real(1), Real(0));
+      if constexpr (forms_at_touch) acts = acts * h.attached;
+      return tangential + acts * Cohesion::resistance(c, p.cohesion);
+    } else {
+      return tangential;
+    }
+  }
   /// Lanes in which the attraction acts.
   template <class Real>
   static SILT_INLINE Mask<Real> near(const Contact<Real>& c, const Coefficients<Real>& p) {
