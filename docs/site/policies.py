@@ -143,6 +143,7 @@ AXES = {
         "module/heat/conduction.hpp": ["HeatConductionBy"],
         "module/heat/surroundings.hpp": ["FrictionHeat", "Heat", "Convection", "Radiation", "RanzMarshall", "Gunn"],
         "module/heat/mutual_radiation.hpp": ["MutualRadiation", "PlaneRadiation"],
+        "module/heat/gas_conduction.hpp": ["GasConduction", "PlaneGasConduction"],
         "module/heat/fluid_convection.hpp": ["FluidConvection"],
         "module/charge/charge.hpp": ["Charge"],
         "module/charge/tribo_charge.hpp": ["TriboCharge"],

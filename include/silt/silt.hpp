@@ -74,6 +74,7 @@
 #include <silt/module/charge/tribo_charge.hpp>
 #include <silt/module/field.hpp>
 #include <silt/module/heat/conduction.hpp>
+#include <silt/module/heat/gas_conduction.hpp>
 #include <silt/module/heat/mutual_radiation.hpp>
 #include <silt/module/heat/surroundings.hpp>
 #include <silt/module/wear.hpp>

@@ -45,6 +45,10 @@ struct MutualRadiation : Base {
     std::vector<double> others{};  // [-] emissivities of the contacts' material 1, 2, ...
   } surfaces;
 
+  static_assert(
+      !requires { &Base::pair_flux; },
+      "MutualRadiation of a module that already acts between neighbours: give it the "
+      "module inside, as GasConduction{MutualRadiation{...}, ...}");
   MutualRadiation(Base base, Surfaces of) : Base(std::move(base)), surfaces(std::move(of)) {}
 
   double gap_reach() const { return surfaces.gap; }
