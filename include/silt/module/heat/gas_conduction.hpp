@@ -39,8 +39,7 @@ struct GapGas {
 };
 
 /// Module: heat (HeatConduction, FrictionHeat, Heat or MutualRadiation), and conduction through the
-/// gas in the gaps between neighbouring particles, in contact or not. In a bed in air most heat
-/// flows there.
+/// gas in the gaps between neighbouring particles, in contact or not.
 ///
 ///   silt::GasConduction{silt::HeatConduction{...}, {.conductivity = 0.026, .roughness = 1e-6,
 ///                                                   .gap = 0.2e-3}}
