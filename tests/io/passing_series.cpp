@@ -388,6 +388,31 @@ TEST_CASE("passing_series: a table of numbers, masses and rates") {
   CHECK(series.counter().backwards().mass == all[4][4]);
 }
 
+// Catches: a row over the last step of a run, which ends up to a step behind its duration; a row
+// that is left out where each step has one.
+TEST_CASE("passing_series: a run that ends a step behind its last row has that row at its end") {
+  const Folder folder;
+  const silt::Plane plane{{0, 0, 0}, {0, 0, -1}};
+  auto sim = scene(shower());
+  sim.time_step = 1.0001e-5;
+  sim.run(2e-3, silt::passing_series(folder / "a", plane, every(1e-3)),
+          silt::passing_series(folder / "b", plane, every(1.0001e-5)));
+  CHECK(sim.step() == 200);
+  sim.run(3e-3 - sim.time() + 1e-9, silt::passing_series(folder / "a", plane, every(1e-3)));
+  CHECK(sim.step() == 300);
+  const auto all = rows(folder / "a");
+  REQUIRE(all.size() == 4);
+  CHECK(all[2][0] == near(200 * 1.0001e-5));
+  CHECK(all[3][0] == near(300 * 1.0001e-5));
+  CHECK(rows(folder / "b").size() == 201);
+  auto other = scene(shower());
+  other.time_step = 0.9999e-5;
+  other.run(2e-3, silt::passing_series(folder / "c", plane, every(1e-3)));
+  CHECK(other.step() == 201);
+  REQUIRE(rows(folder / "c").size() == 3);
+  CHECK(rows(folder / "c")[2][0] == near(201 * 0.9999e-5));
+}
+
 /// The hopper's table, in one run.
 std::string in_one_run(const Folder& folder) {
   auto sim = hopper();
