@@ -59,11 +59,13 @@
 #include <silt/io/failure.hpp>
 #include <silt/io/observers.hpp>
 #include <silt/io/particle_csv.hpp>
+#include <silt/io/passing_series.hpp>
 #include <silt/io/progress.hpp>
 #include <silt/io/scene_warnings.hpp>
 #include <silt/io/wall_series.hpp>
 #include <silt/measure/coordination.hpp>
 #include <silt/measure/mixing.hpp>
+#include <silt/measure/passing_counter.hpp>
 #include <silt/measure/polynomial_fit.hpp>
 #include <silt/measure/side_view.hpp>
 #include <silt/measure/stress.hpp>

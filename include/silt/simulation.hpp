@@ -6,7 +6,6 @@
 #include <concepts>
 #include <cstdint>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -217,9 +216,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   bool continued() const { return continued_; }
   /// For observers that begin to write a file or series: whether they add to it. They do in a run
   /// that goes on from a restart, and where an earlier run of this simulation has written it.
-  bool continues(const std::string& file) const {
-    return !written_.insert(file).second || continued_;
-  }
+  /// InputError if another observer of this run writes it.
+  bool continues(const std::string& file) const { return written_.has(file) || continued_; }
   /// Whether observers were called at this instant, in this run or the one before.
   bool observed() const { return observed_; }
   using Readings = detail::ParticleReadings<Simulation>;
@@ -374,7 +372,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   detail::NextIds next_;
   bool first_kick_ = true, kicked_ = false, observed_ = false, continued_ = false;
   bool running_ = false;                                       // in run(), with its observers
-  mutable std::set<std::string> written_;                      // continues()
+  mutable detail::WrittenFiles written_;                       // continues()
   detail::ContactsKept kept_ = detail::ContactsKept::Nothing;  // of the present step
   bool scene_changed_ = false;                                 // since the last run began
   [[no_unique_address]] std::conditional_t<has_ranks, detail::RanksScene, Nothing> ranks_scene_;

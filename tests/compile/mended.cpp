@@ -192,3 +192,6 @@ namespace sph_twice {
 namespace sph_volume {
 #include "refused/sph_volume.cpp"
 }
+namespace passing_in_deforming_box {
+#include "refused/passing_in_deforming_box.cpp"
+}

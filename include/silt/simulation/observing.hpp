@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -28,7 +29,7 @@ namespace silt::inline SILT_TARGET::detail {
 // belongs to the run that reaches it: if a run begins at an instant at which observers were already
 // called, only those that do nothing but read (`only_reads`) are called again. So a run in two
 // parts, or one continued from a checkpoint, gives the same results as an uninterrupted one,
-// whatever observers change.
+// whatever observers change. Those with `before_saving(sim)` are told before others save.
 
 template <class O>
 inline constexpr bool only_reads = requires {
@@ -127,29 +128,60 @@ template <class O>
     throw;
   }
 }
-/// `again`: observers were called at this instant before. `last`: call those that save.
+/// How observers are called at an instant.
+struct Instant {
+  bool again;   // they were called at it before
+  bool saving;  // one that saves is due
+  bool last;    // call those that save
+};
 template <class O, class Sim>
-void observe(O& observer, Sim& sim, bool again, bool last, std::size_t number, std::size_t of) {
+bool is_saving(O& observer, const Sim& sim, bool again) {
+  const bool called = saves<O> && !(again && !only_reads<O>);
+  return called && is_due(observer, sim);
+}
+template <class O, class Sim>
+void observe(O& observer, Sim& sim, const Instant& now, std::size_t number, std::size_t of) {
   using Type = std::remove_cvref_t<O>;
   constexpr bool callable = !std::is_const_v<O> || std::invocable<O&, Sim&>;
   static_assert(callable,
                 "Simulation::run: an observer that is const cannot note when it was called last; "
                 "declare it with `auto` in place of `const auto`");
-  if (saves<Type> != last || (again && !only_reads<Type>)) return;
+  if (saves<Type> != now.last) return;
+  const bool called = !(now.again && !only_reads<Type>);
   try {
     if constexpr (callable)
-      if (is_due(observer, sim)) observer(sim);
+      if (called && is_due(observer, sim)) observer(sim);
+    if constexpr (requires { observer.before_saving(sim); })
+      if (now.saving) observer.before_saving(sim);
   } catch (...) {
     throw_of_observer(name_of_observer<Type>(number, of), sim.time(), sim.step());
   }
 }
 template <class Sim, class... Observers>
 void observe_all([[maybe_unused]] Sim& sim, [[maybe_unused]] bool again, Observers&... observers) {
+  [[maybe_unused]] const bool saving = (is_saving(observers, sim, again) || ...);
   for ([[maybe_unused]] const bool last : {false, true}) {
     [[maybe_unused]] std::size_t number = 0;
-    (observe(observers, sim, again, last, ++number, sizeof...(Observers)), ...);
+    (observe(observers, sim, Instant{again, saving, last}, ++number, sizeof...(Observers)), ...);
   }
 }
+/// The files that observers of a simulation have begun to write, and the run in which.
+class WrittenFiles {
+ public:
+  void begin_run() { ++run_; }
+  /// Whether an earlier run has written the file. InputError if this run does already.
+  bool has(const std::string& file) {
+    const auto [at, is_new] = written_.try_emplace(file, run_);
+    require(is_new || at->second != run_, "two observers of this run write '", file,
+            "'; give each a file of its own");
+    at->second = run_;
+    return !is_new;
+  }
+
+ private:
+  std::map<std::string, std::uint64_t> written_;
+  std::uint64_t run_ = 0;
+};
 template <class O>
 bool wants_events([[maybe_unused]] const O& observer) {
   return requires(const ContactLog& log) { observer.tell(log); };
