@@ -280,6 +280,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void choose_flux_steps();
   void check_module_rates() const;
   void renew_fluid();
+  void take_fluid_loads(double span);
   void take_from_fluid(std::size_t k, double share);
   FluidPace pace_of_fluid(double speed) const;
   double kicked_to() const;

@@ -419,6 +419,13 @@ TEST_CASE("inlet: velocities scatter uniformly, all spin as they are told, and t
   // Catches a booking with the mean velocity in place of that of each.
   const auto e = sim.energy();
   CHECK(std::abs(e.residual()) < 1e-10 * sim.kinetic_energy());
+  // Catches an interval that knows the mean velocity alone: one particle, then none for days.
+  auto drifting = scene();
+  InletFlow cloud = flow(10000, {0, 0, 0});
+  cloud.scatter = {0.1, 0.1, 0.1};
+  drifting.add_inlet(mouth, cloud);
+  drifting.run(0.03);
+  CHECK(drifting.size() > 5);
   wanted.scatter = {0, -1, 0};
   CHECK(has_words(refusal<InputError>([&] { sim.add_inlet(mouth, wanted); }),
                   {"InletFlow.scatter", "not negative"}));

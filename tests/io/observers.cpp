@@ -177,6 +177,17 @@ TEST_CASE("a table of particles that silt has written can be read again") {
     CHECK(p.angular_velocity == sim.angular_velocity(k));
     CHECK(p.radius == sim.radius(k));
   }
+  // Its names are taken together: a misprint is no field of a module.
+  const auto of = [&](const std::string& header) {
+    silt::AtomicFile out(folder / "other.csv");
+    out.write(header + "\n0,0,0,0,0,0,0,1,0,7\n");
+    out.commit();
+    return refusal<silt::FileError>([&] { again.read(folder / "other.csv", {.density = 1}); });
+  };
+  const std::string names = "id,x,y,z,velocity x,velocity y,velocity z,radius,";
+  CHECK(has_words(of(names + "materiel,charge"), {"line 1", "'id' is not a column name"}));
+  CHECK(of(names + "material,density") == "");
+  CHECK(again.all()[64].density == 1);  // a field may have any name
 }
 
 TEST_CASE("schedule: an interval that is no time is refused") {

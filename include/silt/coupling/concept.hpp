@@ -182,9 +182,11 @@ struct FluidTraits {
   static constexpr bool takes_forms = requires(F& f, const Shape& shape) {
     f.take_form(std::size_t{}, shape);
   };
-  static constexpr bool has_sides = requires(const F& f, const Vec3d& x) {
-    f.reaches(f.at_the_side(x, 1.0));
-  };
+  static constexpr bool has_sides = requires(const F& f, const Vec3d& x) { f.at_the_side(x, 1.0); };
+  static_assert(
+      !has_sides || requires(const F& f, const Vec3d& x) { bool(f.reaches(x)); },
+      "a fluid with at_the_side() must also have `bool reaches(const silt::Vec3d& x) "
+      "const`: whether a particle at that position is in the fluid");
   static constexpr bool sees_leaving = requires(F & f, const LeftParticle& p) { f.take_away(p); };
   static constexpr bool pushes_walls = requires(const F& f) { f.load_on_driven(std::size_t{}); };
   static constexpr bool checks_steps = requires(const F& f, const FluidPace& pace) {

@@ -128,6 +128,8 @@ class BasicCoupledFlow {
     exchange_.find(particles, dt, torque, team);
     spread_exchange(particles, dt, team);
     if (particles.heat) spread_heat(particles, dt, team);
+    if constexpr (requires { flow_.put_in(solids_, least_voidage, team); })
+      if (change_) flow_.put_in(*change_, least_voidage, team);
     done.flow = flow_.step(dt, team);
     if (particles.heat) take_heat(*particles.heat, dt, done, team);
     cells_.find_velocity(flow_, team);
@@ -229,7 +231,7 @@ class BasicCoupledFlow {
   double longest_step(double speed, const Team& team) const;
   void make_averaging(const CoupledParticles& of, const Team& team);
   void spread_left(const CoupledParticles& present, const Team& team);
-  void take_emptied(CellField& more, const Team& team) const;
+  void find_change(CellField& more, const Team& team) const;
   void spread_volume(const CoupledParticles& of, CoupledStep& done, const Team& team);
   void find_loads(const Team& team) {
     if (in_pressure()) cells_.find_slope(flow_, team), cells_.find_stress(flow_, team);
@@ -264,6 +266,7 @@ class BasicCoupledFlow {
   static constexpr std::size_t of_left = 10;  // numbers of a LeftParticle
   std::vector<double> left_;                  // since the last step, of_left each
   std::optional<CellField> emptied_;          // [m3] their volume in the present step
+  std::optional<CellField> change_;           // [m3] of solids, for FlowSolver::put_in
   CellValues cells_;
   detail::HeldCells held_;
   bool following_ = false;                  // held_ is of the present flow

@@ -33,9 +33,8 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::spread_left(const CoupledPar
       orientation[p] = l.orientation, form[p] = l.form;
     }
     position[p] = at_the_side(position[p], std::numeric_limits<double>::infinity());
-    require(form[p] == 0 || form[p] < present.forms.size(),
-            "CoupledFlow: a particle that left has the form ", form[p], ", of ",
-            present.forms.size());
+    // Forms of fragments are given up with their last owner; the volume counts.
+    if (form[p] >= present.forms.size()) form[p] = 0;
   }
   AveragedParticles shape{position, radius};
   if (!present.forms.empty())
@@ -47,20 +46,22 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::spread_left(const CoupledPar
   if (const auto* joined = flow_.joined_cells()) joined->spread(*emptied_);
 }
 
-/// Takes from `more` [m3] what the particles that have left had of each cell, as far as the cell is
-/// not clipped at the minimum void fraction with or without them.
+/// Turns `more` [m3], the volume put into each cell since the last step, into the change of the
+/// solids that the fluid sees: clipped at the minimum void fraction, with what has left.
 template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
-void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::take_emptied(CellField& more,
-                                                                 const Team& team) const {
+void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::find_change(CellField& more,
+                                                                const Team& team) const {
   const Grid& g = flow_.grid();
   CellValues::for_rows(flow_, team, [&](int j, int k) {
-    const double *const s = solids_.row(j, k), *const gone = emptied_->row(j, k);
-    double* const to = more.row(j, k);
+    const double* const s = solids_.row(j, k);
+    const double* const gone = emptied_ ? emptied_->row(j, k) : nullptr;
+    double* const change = more.row(j, k);
     const double* const open = flow_.open_row(j, k);
     for (int i = 0; i < g.nx(); ++i) {
       const double most =
           (1 - least_voidage) * g.cell_volume() * fluid_detail::fluid_share(open, i);
-      to[i] -= std::min(s[i] + gone[i], most) - std::min(s[i], most);
+      const double before = s[i] - change[i] + (gone ? gone[i] : 0);
+      change[i] = std::min(s[i], most) - std::min(std::max(before, 0.0), most);
     }
   });
 }
@@ -74,15 +75,14 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::spread_volume(const CoupledP
   averaging_->spread(volume, to, team);
   if (const auto* joined = flow_.joined_cells()) joined->spread(solids_);
   const Grid& g = flow_.grid();
+  change_.reset();
   if constexpr (requires { flow_.put_in(solids_, least_voidage, team); })
     if (!of.put_in.empty() || emptied_) {
-      CellField more(g);  // [m3]
-      CellField* const there[] = {&more};
+      CellField* const there[] = {&change_.emplace(g)};
       const std::span<const double> volumes[] = {of.put_in};
       if (!of.put_in.empty()) averaging_->spread(volumes, there, team);
-      if (const auto* joined = flow_.joined_cells()) joined->spread(more);
-      if (emptied_) take_emptied(more, team);
-      flow_.put_in(more, least_voidage, team);
+      if (const auto* joined = flow_.joined_cells()) joined->spread(*change_);
+      find_change(*change_, team);
     }
   for (const double v : of.volume) done.solids += v;
   if (done.solids > 0 && done.averaging.outside == 0)
@@ -172,7 +172,7 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::share_out(CellFields fields,
 template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
 void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::make_averaging(const CoupledParticles& of,
                                                                    const Team& team) {
-  if (of.velocity.empty()) return;
+  if (of.velocity.empty() && !diameter) return;
   if (!averaging_) {
     if (!diameter) diameter = 2 * *std::max_element(of.shape.radius.begin(), of.shape.radius.end());
     averaging_.emplace(mode_, flow_.grid(), *diameter);

@@ -72,11 +72,10 @@ class ParticleReader {
   static constexpr std::array<std::string_view, column_count> column_names{
       "x",  "y",  "z",  "radius", "diameter", "density", "vx",
       "vy", "vz", "wx", "wy",     "wz",       "material"};
-  /// Vx to Wz in a table that write_particle_csv has written: its first column is id, and it may
-  /// have others that a scene does not read.
-  static constexpr std::array<std::string_view, 6> of_csv{
-      "velocity x",         "velocity y",         "velocity z",
-      "angular velocity x", "angular velocity y", "angular velocity z"};
+  static constexpr std::string_view of_csv =
+      "id,x,y,z,velocity x,velocity y,velocity z,radius,material";
+  static constexpr std::string_view of_csv_spin =
+      ",angular velocity x,angular velocity y,angular velocity z";
   static constexpr std::string_view expected =
       "that names its columns, among: x y z, radius or diameter, and optionally density, vx vy vz, "
       "wx wy wz, material";
@@ -119,16 +118,9 @@ class ParticleReader {
     if (line.find(',') != line.npos) separator_ = ',';
     if (line.find(';') != line.npos) separator_ = ';';
     std::string_view name;
-    bool of_simulation = false;
+    if (line.starts_with(of_csv)) return read_csv_header(line);
     while (next_value(line, name)) {
-      if (columns_.empty() && name == "id") of_simulation = true;
-      const auto* known = std::find(column_names.begin(), column_names.end(), name);
-      for (std::size_t k = 0; k < of_csv.size() && of_simulation; ++k)
-        if (name == of_csv[k]) known = column_names.begin() + Vx + k;
-      if (known == column_names.end() && of_simulation) {
-        columns_.push_back(Skipped);
-        continue;
-      }
+      const auto known = std::find(column_names.begin(), column_names.end(), name);
       if (known == column_names.end())
         fail(in_quotes(name),
              " is not a column name; the first line that is not a comment must be one ", expected);
@@ -142,6 +134,21 @@ class ParticleReader {
     need_all_of(X, true);
     need_all_of(Vx, has_[Vx] || has_[Vy] || has_[Vz]);
     need_all_of(Wx, has_[Wx] || has_[Wy] || has_[Wz]);
+  }
+
+  /// Of write_particle_csv: what is behind the motion are fields of modules.
+  void read_csv_header(std::string_view line) {
+    separator_ = ',';
+    columns_ = {Skipped, X, Y, Z, Vx, Vy, Vz, Radius, Material};
+    line.remove_prefix(of_csv.size());
+    if (line.starts_with(of_csv_spin)) {
+      columns_.insert(columns_.end(), {Wx, Wy, Wz});
+      line.remove_prefix(of_csv_spin.size());
+    }
+    columns_.insert(columns_.end(),
+                    static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')), Skipped);
+    for (const Column column : columns_)
+      if (column != Skipped) has_[column] = true;
   }
 
   void need_all_of(int first, bool needed) const {
@@ -224,7 +231,7 @@ inline void require_writable(const ParticleTable& t) {
 /// has any, else by white space; `#` starts a comment; the decimal sign is a point in every locale.
 /// Errors: FileError with file, line and column: missing or empty file; unknown, missing or
 ///         repeated column; wrong number of values; not a number; not finite; radius or density not
-///         greater than 0.
+///         greater than 0. In a table of write_particle_csv, columns of fields are skipped.
 inline ParticleTable read_particle_file(const std::string& path) {
   const std::string content = detail::read_text(path);
   return detail::ParticleReader(path, content).read();

@@ -112,6 +112,7 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
   void set_boundary(const FlowBoundary& boundary) {
     require(static_cast<bool>(boundary.distance),
             "FlowBoundary.distance is not set; give the signed distance to the surface");
+    before_put_in_.reset();
     std::optional<fluid_detail::FlowSolids> solids;
     solids.emplace(grid(), boundary, s_.fluid.viscosity);
     fluid_detail::FlowSides sides = s_.sides;
@@ -224,6 +225,7 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
 
   /// Takes the velocities as set as initial state of the steps; default: at rest.
   void start(const Team& team = {}) {
+    before_put_in_.reset();
     s_.take_voidage();
     s_.older_eps = s_.old_eps = s_.mass = s_.eps;
     for (int d = 0; d < 3; ++d) {
@@ -245,11 +247,15 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
   /// Solids [m3 in each cell] that have been put there since the last step, and have not pushed the
   /// fluid away: that in their place is gone, with the momentum and the heat that it had. A cell
   /// keeps a void fraction of `least`. Solids that were taken away are negative: fluid of the
-  /// cell's velocity and temperature is in their place. Without this call the next step drives the
+  /// cell's velocity and temperature is in their place. A second call before the step replaces the
+  /// first. Without this call the next step drives the
   /// fluid out or in, in no time.
   void put_in(const CellField& solids, double least, const Team& team = {}) {
     if (!s_.started || s_.options.model == MomentumModel::Simplified) return;
-    if (!before_put_in_) before_put_in_.emplace(s_.old_eps, s_.older_eps, s_.mass);
+    if (before_put_in_)
+      std::tie(s_.old_eps, s_.older_eps, s_.mass) = *before_put_in_;
+    else
+      before_put_in_.emplace(s_.old_eps, s_.older_eps, s_.mass);
     const double over = 1 / grid().cell_volume();
     s_.for_cells(team, [&](int j, int k) {
       const double* const open = open_row(j, k);
@@ -314,6 +320,7 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
   /// State for a restart, part by part: visit(name, span of doubles), which may change it.
   template <class Visit>
   void for_each_state(const Visit& visit) {
+    before_put_in_.reset();
     const auto fields = [&](const char* name, auto&... field) {
       int number = 0;
       (visit(text(name, number++), field.values()), ...);

@@ -73,7 +73,7 @@ SceneLook look_at(const Sim& sim) {
       include_radius(of.radius.min(), of.radius.max());
       look.list_diameter = std::min(look.list_diameter, 2 * of.radius.min());
     }
-    look.fastest = std::max(look.fastest, norm(inlet.flow.velocity));
+    look.fastest = std::max(look.fastest, norm(inlet.flow.velocity) + norm(inlet.flow.scatter));
     look.largest_density = std::max(look.largest_density, inlet.flow.density);
   }
   for (std::size_t w = 0; w < sim.walls(); ++w) {

@@ -174,7 +174,7 @@ void BreakAccess<Sim>::take_place(const std::vector<Parent>& parents, const Part
       ++e.modules().template of<typename Sim::Composition::Breaking>()[k].generation;
       if constexpr (Sim::Fluid::active) {
         auto& displaced = e.fluid_loads().displaced;
-        if (displaced[p.place] > 0) displaced[k] = e.volume_of(k);
+        displaced[k] = displaced[p.place] * (e.volume_of(k) / e.volume_of(p.place));
       }
     }
   s.breaks_.start(e, s.breakage(), from, [&](ParticleId id) { return rests_until[id - first]; });

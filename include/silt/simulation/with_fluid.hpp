@@ -150,7 +150,6 @@ void Simulation<Policies...>::renew_fluid() {
     if constexpr (detail::heats_in_fluid<Modules>) heat = heat_in_fluid(), view.heat = &heat;
     fluid_.advance(view, span, p.force, engine_.team(), p.torque);
     if constexpr (detail::heats_in_fluid<Modules>) take_heat_of_fluid();
-    if constexpr (FluidIs::checks_steps) fluid_.check_step(span, pace);
   } catch (const InputError&) {
     throw;
   } catch (const FlowStepError& error) {
@@ -165,6 +164,22 @@ void Simulation<Policies...>::renew_fluid() {
                           {});
   }
   fluid_.clock.time = time_ + (steps - 1 + Integrator::first_kick) * dt_;  // exact to rounding
+  take_fluid_loads(span);
+  // Behind the loads: the fluid has made its step, which a run that goes on builds upon.
+  if constexpr (FluidIs::checks_steps) try {
+      fluid_.check_step(span, pace);
+    } catch (const InputError&) {
+      throw;
+    } catch (const Error& error) {
+      throw SimulationError(text("step ", step_, ", t = ", time_, " s: ", error.what()), step_, {},
+                            {});
+    }
+}
+
+/// The loads of the fluid's step of `span` [s] for the particles' steps to come.
+template <class... Policies>
+void Simulation<Policies...>::take_fluid_loads(double span) {
+  auto& p = in_fluid_;
   auto& loads = engine_.fluid_loads();
   engine_.team().for_ranges(p.place.size(), [&](std::size_t, std::size_t from, std::size_t to) {
     for (std::size_t n = from; n < to; ++n) {

@@ -23,9 +23,8 @@ namespace silt::inline SILT_TARGET {
 ///   static Vec3<Real> resistance(Contact<Real>, Coefficients<Real>)    [N] further tangential
 ///     force; of a law with friction
 ///   static double relaxation(Coefficients<double>, double R_eff, double m_eff)    [s], for the
-///   time
-///     step: in which forces that depend on the velocity stop the mass; then attraction() may be
-///     negative
+///     time step: in which forces that depend on the velocity stop the mass; with it, attraction()
+///     may be negative
 ///   static double passing_time(Coefficients<double>, double speed)    [s], for the time step: in
 ///     which the attraction changes from zero to its full value
 /// As in a contact law, attraction() and range() run on packs of lanes: use select(), not `if`.
@@ -140,7 +139,7 @@ struct Cohesive {
       return Real(of_body(c, p, h) - pull);
     }
   }
-  /// Attractive part [N] >= 0 of the normal force, after force().
+  /// Attractive part [N] of the normal force, after force(); negative where it resists approach.
   template <class Real>
   static SILT_INLINE Real attraction(const Contact<Real>& c, const Coefficients<Real>& p,
                                      [[maybe_unused]] const History<Real>& h) {
@@ -186,7 +185,11 @@ struct Cohesive {
       const Contact<Real>& c, const Coefficients<Real>& p,
       const History<Real>& h) requires detail::SaysWhatItStores<Body> {
     using Kept = typename detail::HistoryOf<Body, Real>::type;
-    return detail::stored_by<Body, Real>(seen_by_body(c), p.body, static_cast<const Kept&>(h));
+    auto of_body =
+        detail::stored_by<Body, Real>(seen_by_body(c), p.body, static_cast<const Kept&>(h));
+    // The rest of the tangential force is not that of the body's dashpot.
+    if constexpr (requires { Cohesion::resistance(c, p.cohesion); }) of_body.damping = Real(0);
+    return of_body;
   }
   static double contact_time(const Coefficients<double>& p, double R_eff, double m_eff,
                              double speed) requires requires {
@@ -197,7 +200,7 @@ struct Cohesive {
     if constexpr (requires { Cohesion::passing_time(p.cohesion, speed); })
       return std::min(body, Cohesion::passing_time(p.cohesion, speed));
     else if constexpr (requires { Cohesion::relaxation(p.cohesion, R_eff, m_eff); })
-      return std::min(body, 5 * Cohesion::relaxation(p.cohesion, R_eff, m_eff));
+      return std::min(body, 2.5 * Cohesion::relaxation(p.cohesion, R_eff, m_eff));
     else
       return body;
   }

@@ -22,9 +22,10 @@ namespace silt::inline SILT_TARGET {
 ///   6 pi mu R*^2/m* (1 + ln(H_c/h)),   h the roughness, H_c the gap of rupture                (3)
 ///
 /// of v; if v is less they stay together. The largest coefficient, at the roughness, limits the
-/// time step: contact_time() is at most 5 m* h/(6 pi mu R*^2), a quarter of that relaxation time
-/// for each step. For a viscous liquid choose the roughness as large as (3) allows: it enters by
-/// its logarithm.
+/// time step to an eighth of the relaxation time m* h/(6 pi mu R*^2) of equal spheres, which is a
+/// quarter of that of a small sphere at a large one. For a viscous liquid choose the roughness as
+/// large as (3) allows: it enters by its logarithm. A law without friction has (1) alone. In the
+/// energy ledger, what (2) takes counts as friction.
 ///
 /// Source: (1) M. J. Adams, V. Perchard, I. Chem. E. Symp. Ser. 91 (1985) 147; (2) A. J. Goldman et
 ///         al., Chem. Eng. Sci. 22 (1967) 637. Recalled: the print was not read. (3) is derived.
@@ -41,7 +42,7 @@ struct BasicViscousBridge {
     double contact_angle = 0;    // [rad] in [0, pi/2)
     double volume = 0;           // [m3] of one bridge, >= 0
     double viscosity = 0;        // [Pa s] mu >= 0; water 0.001
-    double roughness = 0;        // [m] h > 0, the smallest gap
+    double roughness = 0;        // [m] h > 0 where there is viscosity, the smallest gap
     bool operator==(const Pair&) const = default;
   };
   template <class Real>
@@ -53,7 +54,8 @@ struct BasicViscousBridge {
 
   static Coefficients<double> mix(const Pair& p) {
     return {Capillary::mix({p.surface_tension, p.contact_angle, p.volume}),
-            p.volume > 0 ? 6 * std::numbers::pi * p.viscosity : 0, p.roughness};
+            p.volume > 0 ? 6 * std::numbers::pi * p.viscosity : 0,
+            p.roughness > 0 ? p.roughness : 1};
   }
   template <class Real>
   static SILT_INLINE Real attraction(const Contact<Real>& c, const Coefficients<Real>& p) {
@@ -81,7 +83,12 @@ struct BasicViscousBridge {
             "ViscousBridge.contact_angle = ", p.contact_angle, " [rad] must be in [0, pi/2)");
     require_not_negative("ViscousBridge.volume", p.volume, "m3");
     require_not_negative("ViscousBridge.viscosity", p.viscosity, "Pa s");
-    require_positive("ViscousBridge.roughness", p.roughness, "m");
+    require_not_negative("ViscousBridge.roughness", p.roughness, "m");
+    if (!(p.volume > 0 && p.viscosity > 0)) return;
+    const double rupture = mix(p).capillary.rupture;
+    require(p.roughness > 0 && p.roughness < rupture, "ViscousBridge.roughness = ", p.roughness,
+            " [m] must be greater than 0 and less than the gap at which the bridge breaks, ",
+            rupture, " m");
   }
 
  private:

@@ -213,9 +213,9 @@ std::vector<Particle> particles_at(const std::vector<PlacedSphere>& places,
       p.form = kind.form, p.orientation = random_orientation(random);
     p.position = s.position, p.radius = s.radius, p.density = kind.density;
     p.velocity = velocity, p.angular_velocity = flow.angular_velocity;
-    if (const Vec3d& s = flow.scatter; norm(s) > 0) {
+    if (const Vec3d& scatter = flow.scatter; norm(scatter) > 0) {
       const auto of = [&](double most) { return random.uniform(-most, most); };
-      const double x = of(s.x), y = of(s.y), z = of(s.z);
+      const double x = of(scatter.x), y = of(scatter.y), z = of(scatter.z);
       p.velocity += Vec3d{x, y, z};
     }
     p.material = kind.material;

@@ -296,7 +296,8 @@ class Openings {
   static double choose_interval(const InletFlow& flow, const Vec3d& gravity) {
     if (flow.interval > 0) return flow.interval;
     const double d = 2 * flow.largest_radius();
-    const double speed = std::max(norm(flow.velocity), std::sqrt(norm(gravity) * d));
+    const double speed =
+        std::max(norm(flow.velocity) + norm(flow.scatter), std::sqrt(norm(gravity) * d));
     return std::max(d / std::max(speed, 1e-9), 1 / flow.rate);
   }
 
