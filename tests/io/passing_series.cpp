@@ -13,13 +13,10 @@
 #include <engine/support.hpp>
 
 #include <silt/boundary/finite_walls.hpp>
-#include <silt/breakage/breakage.hpp>
 #include <silt/io/observers.hpp>
 #include <silt/io/passing_series.hpp>
 #include <silt/io/wall_series.hpp>
-#include <silt/shape/multi_sphere.hpp>
 
-#include "breakage/scene.hpp"
 #include "near.hpp"
 
 namespace passing_series_test {
@@ -244,47 +241,6 @@ TEST_CASE("passing: a hopper's orifice against its outlet and what is between") 
   CHECK(orifice.net_mass() == near(mass).epsilon(1e-12));
 }
 
-// Catches: a predicate that is ignored, or asked about another particle.
-TEST_CASE("passing: of two materials each, and of all") {
-  Beads beads = shower(), mixed;
-  std::size_t n = 0;
-  for (auto p : beads.all()) p.material = n++ % 3 == 0 ? 1 : 0, mixed.add(p);
-  HertzMindlin::Material other = rubber;
-  other.restitution = 0.3;
-  silt::Simulation sim{std::move(mixed),
-                       silt::Contacts<HertzMindlin, silt::SeveralMaterials>{{rubber, other}}};
-  sim.set_pair(0, 1, {.restitution = 0.5, .friction = 0.5});
-  sim.time_step = 1e-5;
-  const silt::Plane ground{{0, 0, 0}, {0, 0, -1}};
-  std::array<double, 2> mass{0, 0};
-  for (std::size_t k = 0; k < sim.rows(); ++k) mass[sim.material(k)] += sim.mass(k);
-  PassingCounter first(ground, {.which = [&](std::size_t k) { return sim.material(k) == 0; }}),
-      second(ground, {.which = [&](std::size_t k) { return sim.material(k) == 1; }}), all(ground);
-  sim.run(6e-3, first, second, all);
-  CHECK(first.forwards().number == 42);
-  CHECK(second.forwards().number == 22);
-  CHECK(all.forwards().number == 64);
-  CHECK(first.forwards().mass == near(mass[0]).epsilon(1e-14));
-  CHECK(second.forwards().mass == near(mass[1]).epsilon(1e-14));
-}
-
-// Catches: parts of a body that count each; the mass of a part.
-TEST_CASE("passing: a body counts once, where its centre of mass passes") {
-  silt::Particles<silt::MultiSphere> rods;
-  rods.add_form({.balls = {{{-2e-3, 0, 0}, 1e-3}, {{0, 0, 0}, 1e-3}, {{3e-3, 0, 0}, 1e-3}}});
-  rods.add({.position = {0, 0, 4e-3},
-            .density = 2500,
-            .velocity = {0, 0, -1},
-            .angular_velocity = {0, 2000, 0}});
-  silt::Simulation sim{std::move(rods), silt::Contacts<HertzMindlin>{rubber}};
-  sim.time_step = 1e-5;
-  PassingCounter disc(silt::disc({0, 0, 0}, {0, 0, -1}, 1e-3));
-  sim.run(8e-3, disc);
-  CHECK(disc.forwards().number == 1);
-  CHECK(disc.backwards().number == 0);
-  CHECK(disc.forwards().mass == sim.mass(0));
-}
-
 // Catches: births that count as passages from somewhere, the places of others' ids; fixed particles
 // with their infinite mass.
 TEST_CASE("passing: particles of an inlet, removed ones, fixed ones") {
@@ -319,28 +275,6 @@ TEST_CASE("passing: particles of an inlet, removed ones, fixed ones") {
   CHECK(plane.forwards().number == passed);
   CHECK(plane.backwards().number == 0);
   CHECK(std::isfinite(plane.forwards().mass));
-}
-
-// Catches: fragments that are taken for their parent, and a parent that still counts.
-TEST_CASE("passing: fragments begin anew") {
-  auto of = breakage_scene::policy();
-  Beads grains;
-  grains.add({.position = {0, 0, 5e-3}, .radius = 1e-3, .density = 2165, .velocity = {0, 0, -60}});
-  auto sim = breakage_scene::simulation(std::move(grains), of);
-  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, breakage_scene::salt);
-  PassingCounter plane(silt::Plane{{0, 0, 3e-3}, {0, 0, 1}}),
-      once(silt::Plane{{0, 0, 3e-3}, {0, 0, 1}}, {.once = true});
-  sim.run(1e-3, plane, once);
-  std::size_t above = 0;
-  double mass = 0;
-  for (std::size_t k = 0; k < sim.rows(); ++k)
-    if (sim.is_present(k) && sim.position(k).z > 3e-3) ++above, mass += sim.mass(k);
-  CHECK(sim.broken() > 0);
-  CHECK(above > 1);
-  CHECK(plane.backwards().number == 1);
-  CHECK(plane.forwards().number == above);
-  CHECK(plane.forwards().mass == near(mass).epsilon(1e-12));
-  CHECK(once.forwards().number == above);
 }
 
 // Catches: an observer that changes the motion; counts that depend on the number of threads.

@@ -47,7 +47,7 @@ struct PassingOptions {
 ///         is not counted.
 /// Units:  [-], [kg], [s].
 /// Errors: InputError for an unfit surface.
-/// Tests:  tests/io/passing_series.cpp, tests/parallel/passing_series.cpp
+/// Tests:  tests/io/passing_series.cpp, passing_kinds.cpp, tests/parallel/passing_series.cpp
 class PassingCounter {
  public:
   static constexpr bool reads_contacts = false;
