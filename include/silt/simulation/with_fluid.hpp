@@ -317,7 +317,8 @@ double Simulation<Policies...>::gather_for_fluid() {
   });
   const auto any = [](const auto& of) { return std::find(of.begin(), of.end(), true) != of.end(); };
   p.any_put_in = any(put_in), p.taken_out.clear();
-  for (std::size_t n = 0; n < p.place.size() && any(taken_out); ++n)
+  const std::size_t looked_at = any(taken_out) ? p.place.size() : 0;
+  for (std::size_t n = 0; n < looked_at; ++n)
     if (p.put_in[n] < 0) {
       const std::size_t k = p.place[n];
       p.taken_out.push_back(detail::left_particle<of_bodies>(engine_.owner(k), position(k),
