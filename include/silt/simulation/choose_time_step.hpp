@@ -101,6 +101,10 @@ void Simulation<Policies...>::share_scene() {
     ranks.measure(engine_.particles);
     detail::SceneSize own;
     engine_.set_flux_coefficients(modules_, contacts_);
+    if constexpr (Modules::in_pairs) {
+      detail::NearOthers<Modules>::look(modules_.near, modules_.modules, engine_, domain_, time_);
+      engine_.follow_reach(modules_);
+    }
     ranks.together("a look at the scene", [&] {
       for (std::size_t k = 0; k < rows(); ++k)
         if (is_present(k)) {

@@ -149,9 +149,6 @@ struct Composition {
   static_assert(!has_ranks || !has_breakage || !has_bonds,
                 "Ranks does not go with Bonds and Breakage in one simulation so far; leave one of "
                 "them out");
-  static_assert(!has_ranks || !Modules::in_pairs,
-                "Ranks does not go with modules that act between particles at a distance so far, "
-                "as these know the particles of one rank alone; leave one of them out");
   static_assert(!has_ranks || !deforms<Domain>,
                 "Ranks does not go with a DeformingBox so far; take PeriodicBox");
   static_assert(!has_surfaces || std::is_same_v<Scalar, double>,
