@@ -151,7 +151,7 @@ TEST_CASE("ranks: an observer may lengthen the reach of a module") {
     auto sim = silt_test::trough(silt_test::cloud(12, 4, 3), Lopsided{.range = 0.009}, policies...);
     sim.time_step = 1e-5;
     give_strengths<Lopsided>(sim);
-    sim.run(4e-3, silt::at(silt::every_steps(200), [](auto& s) {
+    sim.run(4e-3, silt::at(silt::every_steps(37), [](auto& s) {
               s.template module<Lopsided>().range = 0.009 + 2 * s.time();
             }));
     to.add(sim);
