@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 // What ranks.sh runs on several ranks: by MPI what tests/parallel checks with threads. Bonds and
-// contact events, edits with heat and the books of energy, breakage; each beside the same scene
-// without Ranks, which every rank computes too. Planes between ranks move at each search.
+// contact events, edits with heat and the books of energy, breakage, charges; each beside the same
+// scene without Ranks, which every rank computes too. Planes between ranks move at each search.
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +13,7 @@
 #include <silt/bond/parallel_bond.hpp>
 #include <silt/io/bond_observers.hpp>
 #include <silt/io/contact_observers.hpp>
+#include <silt/module/charge/charge.hpp>
 #include <silt/module/heat/surroundings.hpp>
 #include <silt/mpi.hpp>
 
@@ -180,6 +181,19 @@ End broken(Policies... policies) {
   return end;
 }
 
+/// Charges of both signs, which each grain sees of some 40 others.
+template <class... Policies>
+End charged(Policies... policies) {
+  auto sim = silt_test::trough(silt_test::cloud(12, 4, 3), silt::Charge{.cutoff = 0.022},
+                               std::move(policies)...);
+  for (std::size_t k = 0; k < sim.rows(); ++k)
+    sim.template field<silt::ElectricCharge>(k) = (sim.id(k) % 3 == 0 ? -2 : 1) * 1e-8;
+  sim.run(0.02);
+  End end = end_of(sim, [&](std::size_t k) { return norm(sim.module_force(k)); });
+  end.sums = {sim.step_length(), sim.kinetic_energy()};
+  return end;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -193,5 +207,6 @@ int main(int argc, char** argv) {
   check("rods", rods(ranks(comm, 0.11)), rods(), 1e-10, 1e-6);
   check("edited", edited(ranks(comm, 0.11)), edited(), 1e-10, 1e-8);
   check("broken", broken(ranks(comm, 0.018)), broken(), 1e-8, 1e-8);
+  check("charged", charged(ranks(comm, 0.11)), charged(), 1e-10, 1e-6);
   if (comm.rank() == 0) std::puts("fine");
 }
