@@ -171,12 +171,7 @@ class BreakAccess {
 
   void prepare_breakage() {
     auto& s = sim();
-    if constexpr (Sim::has_ranks) {
-      require(!follows_sizes(),
-              "BreakageRules.step = SmallestLiving does not go with Ranks so far; take "
-              "SmallestPossible, or set Simulation::time_step");
-      s.breaks_.some_due = true;
-    }
+    if constexpr (Sim::has_ranks) s.breaks_.some_due = true;
     using Law = typename Sim::ContactsType::Law;
     using Policy = typename Sim::Composition::Breaking;
     // Throws if the load requires a value that the law, or the kind of breakage, does not provide.
@@ -289,9 +284,12 @@ class BreakAccess {
     std::size_t material() const { return material_; }
   };
   /// The same with several ranks: every rank breaks the particles of all ranks, in the order of
-  /// ids, and keeps its own fragments. Ids, random numbers and dust are thus those of one process
-  /// (collective).
-  void break_due_of_ranks();
+  /// ids, and keeps its own fragments. Ids, random numbers and dust are thus those of one process.
+  /// Returns whether the time step must be checked because of them (collective).
+  bool break_due_of_ranks();
+  /// Whether some of these fragments are smaller than the smallest living particles.
+  template <class Particles>
+  bool any_less(const Particles& fragments) const;
 
   /// Adds the fragments of the particle at place k, with their velocities, to `all`, and books dust
   /// and energy. `own`: the policy's fields of the particle.

@@ -21,7 +21,7 @@ bool BreakAccess<Sim>::break_due() {
   const bool follows = follows_sizes();
   bool looks = follows && (!stage.sizes.known() || s.step_ % LivingSizes::look_every == 0);
   if (follows) stage.sizes.safeguards = s.engine_.safeguards;
-  if constexpr (Sim::has_ranks) return break_due_of_ranks(), looks;
+  if constexpr (Sim::has_ranks) return break_due_of_ranks() || looks;
   if (stage.due.empty()) return looks;
   std::vector<Parent> parents;
   typename Sim::ParticlesType fragments;
@@ -45,12 +45,13 @@ bool BreakAccess<Sim>::break_due() {
 }
 
 template <class Sim>
-void BreakAccess<Sim>::break_due_of_ranks() {
+bool BreakAccess<Sim>::break_due_of_ranks() {
   auto& s = sim();
   auto& stage = s.breaks_;
   auto& ranks = s.engine_.ranks;
   stage.some_born = false;
-  if (!std::exchange(stage.some_due, false) && !std::exchange(s.engine_.breaks_due, false)) return;
+  if (!std::exchange(stage.some_due, false) && !std::exchange(s.engine_.breaks_due, false))
+    return false;
   s.engine_.breaks_due = false;
   std::vector<BreakingParticle> own;
   for (const DueBreak& one : std::exchange(stage.due, {}))
@@ -62,11 +63,12 @@ void BreakAccess<Sim>::break_due_of_ranks() {
     }
   ranks.meet("particles that break");
   auto all = gather(ranks.comm(), std::span<const BreakingParticle>(own)).values;
-  if (all.empty()) return;
+  if (all.empty()) return false;
   std::sort(all.begin(), all.end(),
             [](const auto& a, const auto& b) { return a.due.id < b.due.id; });
   // Ghosts at their present positions, for the correction of the ledger for contacts that end.
   if constexpr (Sim::has_ledger) s.engine_.refresh_ghosts_now();
+  bool some_less = false;
   ranks.together("particles that break", [&] {
     std::vector<Parent> parents;
     typename Sim::ParticlesType fragments;
@@ -74,6 +76,7 @@ void BreakAccess<Sim>::break_due_of_ranks() {
       const std::size_t k = s.engine_.find(one.due.id);
       break_one(one.due, one, one.volume, one, k < s.rows() ? k : nowhere, parents, fragments);
     }
+    some_less = follows_sizes() && any_less(fragments);
     std::vector<ParticleId> gone;
     for (const BreakingParticle& one : all) gone.push_back(one.due.id);
     if constexpr (Sim::has_ledger)
@@ -85,6 +88,18 @@ void BreakAccess<Sim>::break_due_of_ranks() {
   ranks.discount(all.size());
   s.engine_.lists.forget();
   stage.some_born = true;
+  return some_less;
+}
+
+template <class Sim>
+template <class Particles>
+bool BreakAccess<Sim>::any_less(const Particles& fragments) const {
+  const auto& all = fragments.all();
+  return std::any_of(all.begin(), all.end(), [this](const auto& p) {
+    if constexpr (Sim::of_bodies) return true;  // the mass of a cell does not tell how thin it is
+    const double m = mass_to_come(sim().engine_, p);
+    return sim().breaks_.sizes.is_less(p.material, 1 / (1 / m), p.radius);  // as rows have it
+  });
 }
 
 template <class Sim>

@@ -3,6 +3,8 @@
 
 // Parts of Simulation that choose the time step.
 
+#include <array>
+
 #include <silt/simulation.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -194,16 +196,24 @@ void Simulation<Policies...>::change_step(double dt) {
 /// Checks, in a step that stops between kick and drift, whether the time step still suits the
 /// smallest particles present; needed if the smallest or the fastest have changed. If a law's
 /// safeguard has ended a contact in this very step, which needs the whole kick, the check is
-/// postponed to the next step, a few times at most.
+/// postponed to the next step, a few times at most. With several ranks it is collective, and all
+/// choose the same step.
 template <class... Policies>
 void Simulation<Policies...>::follow_sizes() {
   if constexpr (has_breakage) {
     auto& sizes = breaks_.sizes;
-    const bool turned = engine_.safeguards != sizes.safeguards;
-    if (turned && ++sizes.postponed <= sizes.most_postponed) return sizes.forget();
+    std::array<double, 2> most{engine_.safeguards != sizes.safeguards ? 1.0 : 0.0,
+                               std::max(checked_speed_, engine_.largest_speed)};
+    if constexpr (has_ranks) engine_.ranks.agree("a look at particle sizes", nullptr, most);
+    const auto [turned, fastest] = most;
+    if (turned > 0 && ++sizes.postponed <= sizes.most_postponed) return sizes.forget();
     sizes.postponed = 0;
-    const double fastest = std::max(checked_speed_, engine_.largest_speed);
     if (!sizes.measure(engine_, contacts_.materials()) && fastest <= sizes.speed) return;
+    const std::array<double, 3> own{engine_.largest_speed, engine_.largest_share,
+                                    engine_.largest_overlap};
+    share_scene();
+    engine_.largest_speed = own[0], engine_.largest_share = own[1];  // keep_limits() checks its own
+    engine_.largest_overlap = own[2];
     sizes.speed = std::max(fastest, expected_speed());
     const auto shortest = shortest_contact(sizes.speed);
     if (!shortest) return;

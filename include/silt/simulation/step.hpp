@@ -103,9 +103,14 @@ void Simulation<Policies...>::advance(bool observed) {
   };
   if constexpr (has_ranks) {
     const bool first = first_kick_;
+    [[maybe_unused]] const double checked = checked_speed_;  // [m/s]
     engine_.together(observed ? "a step that observers see" : "a step", dt_, observed,
                      [&] { renew(), act(); });
     peak_overlap_ = std::max(peak_overlap_, engine_.largest_overlap);
+    if constexpr (has_breakage) {  // follow_sizes() starts from what one process has checked
+      const double speed = std::max(engine_.largest_speed, detail::wall_travel(engine_) / dt_);
+      checked_speed_ = speed > detail::checked_again * checked ? speed : checked;
+    }
     if constexpr (Modules::flux)
       if (engine_.fluxes().measured()) choose_flux_steps();
     if constexpr (has_bonds) break_bonds_of_ranks();
