@@ -246,6 +246,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void advance(bool observed);
   void forces(bool observed, std::size_t present);
   void finish_step();
+  void renew_lists();
   std::size_t known(std::size_t k) const {
     if (k >= rows()) [[unlikely]]
       detail::refuse_row(k, rows());

@@ -310,10 +310,12 @@ class BreakAccess {
   /// Books the energy of the breaking particle at place k as lost. Dust takes its share of the
   /// energy, and its `potential` [J], out of the simulation.
   void book(std::size_t k, double of_dust, double potential);
-  /// [J] of all particles now: kinetic energy, potential energy in gravity and energy in bonds.
+  /// [J] of all own particles now: kinetic energy, potential energy in gravity and energy in bonds.
   double energy_of_all() const;
   /// The rows of the particles at these places, sorted.
   std::vector<std::uint32_t> rows_of(const std::vector<std::size_t>& places) const;
+  /// The rows of these particles on this rank, ghosts included, sorted.
+  std::vector<std::uint32_t> rows_of_ranks(std::span<const ParticleId> ids) const;
   /// Books the energy of the contacts of these rows, which end without a step of the ledger.
   void book_contacts(const std::vector<std::uint32_t>& rows, std::span<const ParticleId> gone);
   /// The same for contacts with particles of other ranks. If both break, the rank with the lower id

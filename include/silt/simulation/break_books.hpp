@@ -33,7 +33,7 @@ double BreakAccess<Sim>::energy_of_all() const {
   double sum = 0;
   for (std::size_t k = 0; k < s.rows(); ++k)
     if (s.is_present(k) && std::isfinite(s.mass(k))) sum += s.kinetic(k).sum() + s.potential(k);
-  if constexpr (Sim::has_bonds) sum += s.bond_energy();
+  if constexpr (Sim::has_bonds) sum += s.own_bond_energy();
   return sum;
 }
 
@@ -46,6 +46,17 @@ std::vector<std::uint32_t> BreakAccess<Sim>::rows_of(const std::vector<std::size
       rows.push_back(mover.rows_of(mover.bodies[k]).front());
     else
       rows.push_back(static_cast<std::uint32_t>(k));
+  std::sort(rows.begin(), rows.end());
+  return rows;
+}
+
+template <class Sim>
+std::vector<std::uint32_t> BreakAccess<Sim>::rows_of_ranks(std::span<const ParticleId> ids) const {
+  const auto& e = sim().engine_;
+  std::vector<std::uint32_t> rows;
+  for (const ParticleId id : ids)
+    if (const std::size_t row = e.row_of(id); row < e.particles.size())
+      rows.push_back(static_cast<std::uint32_t>(row));
   std::sort(rows.begin(), rows.end());
   return rows;
 }

@@ -66,8 +66,10 @@ bool BreakAccess<Sim>::break_due_of_ranks() {
   if (all.empty()) return false;
   std::sort(all.begin(), all.end(),
             [](const auto& a, const auto& b) { return a.due.id < b.due.id; });
-  // Ghosts at their present positions, for the correction of the ledger for contacts that end.
-  if constexpr (Sim::has_ledger) s.engine_.refresh_ghosts_now();
+  if constexpr (Sim::has_bonds)  // ends of bonds that were just made are not among the ghosts yet
+    if (std::exchange(s.bonds_.fresh, false)) s.engine_.lists.forget(), s.renew_lists();
+  // Ghosts at their present positions, for the energy of contacts and bonds that end.
+  if constexpr (Sim::has_ledger || Sim::has_bonds) s.engine_.refresh_ghosts_now();
   bool some_less = false;
   ranks.together("particles that break", [&] {
     std::vector<Parent> parents;
@@ -174,7 +176,9 @@ void BreakAccess<Sim>::take_place(const std::vector<Parent>& parents, const Part
   }
   const auto rows = rows_of(places);
   if constexpr (Sim::has_ledger) book_contacts(rows, gone);
-  if constexpr (Sim::has_bonds) s.bonds_.end_of(e, s.domain_, rows, s.first_kick_ ? 0 : s.dt_);
+  if constexpr (Sim::has_bonds)
+    s.bonds_.end_of(e, s.domain_, Sim::has_ranks ? rows_of_ranks(gone) : rows,
+                    s.first_kick_ ? 0 : s.dt_);
   s.breaks_.newborn_from = Sim::of_bodies ? s.next_.part : first;
   std::vector<std::size_t> forms;
   if constexpr (Sim::of_bodies) forms = take_in_cells(e.mover, fragments.forms());

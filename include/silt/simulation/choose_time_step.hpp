@@ -202,16 +202,19 @@ template <class... Policies>
 void Simulation<Policies...>::follow_sizes() {
   if constexpr (has_breakage) {
     auto& sizes = breaks_.sizes;
-    std::array<double, 2> most{engine_.safeguards != sizes.safeguards ? 1.0 : 0.0,
-                               std::max(checked_speed_, engine_.largest_speed)};
+    std::array<double, 3> most{engine_.safeguards != sizes.safeguards ? 1.0 : 0.0,
+                               std::max(checked_speed_, engine_.largest_speed), 0};
+    if constexpr (has_ranks && has_bonds) most[2] = engine_.bonds_break ? 1 : 0;
     if constexpr (has_ranks) engine_.ranks.agree("a look at particle sizes", nullptr, most);
-    const auto [turned, fastest] = most;
+    if constexpr (has_ranks && has_bonds) engine_.bonds_break = most[2] > 0, break_bonds_of_ranks();
+    const double turned = most[0], fastest = most[1];
     if (turned > 0 && ++sizes.postponed <= sizes.most_postponed) return sizes.forget();
     sizes.postponed = 0;
     if (!sizes.measure(engine_, contacts_.materials()) && fastest <= sizes.speed) return;
     const std::array<double, 3> own{engine_.largest_speed, engine_.largest_share,
                                     engine_.largest_overlap};
     share_scene();
+    if constexpr (has_ranks && has_bonds) this->share_bonds();
     engine_.largest_speed = own[0], engine_.largest_share = own[1];  // keep_limits() checks its own
     engine_.largest_overlap = own[2];
     sizes.speed = std::max(fastest, expected_speed());

@@ -1,6 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
 // refused: Ranks does not go with polyhedra that break so far
-// refused: Ranks does not go with Bonds and Breakage in one simulation so far
 #include <silt/shape/laguerre_cells.hpp>
 
 #include "scene.hpp"
@@ -15,12 +14,8 @@ inline const silt::Particles<silt::Polyhedron> stones;
 inline void many() {
 #if defined(SILT_MENDED)
   silt::Simulation sim{beads, contacts, breaking, silt::Ranks{silt::NoRanks{}}};
-  silt::Simulation bonded{beads, contacts, silt::Bonds{silt::ParallelBond{1e7}},
-                          silt::Ranks{silt::NoRanks{}}};
 #else
   silt::Simulation sim{stones, contacts, breaking, silt::Ranks{silt::NoRanks{}}};
-  silt::Simulation bonded{beads, contacts, breaking, silt::Bonds{silt::ParallelBond{1e7}},
-                          silt::Ranks{silt::NoRanks{}}};
 #endif
-  sim.run(1), bonded.run(1);
+  sim.run(1);
 }

@@ -146,9 +146,6 @@ struct Composition {
   static_assert(!has_ranks || !has_breakage || !of_bodies,
                 "Ranks does not go with polyhedra that break so far, as their cells are forms of "
                 "one process; take spheres, or leave Breakage or Ranks out");
-  static_assert(!has_ranks || !has_breakage || !has_bonds,
-                "Ranks does not go with Bonds and Breakage in one simulation so far; leave one of "
-                "them out");
   static_assert(!has_ranks || !Modules::in_pairs,
                 "Ranks does not go with modules that act between particles at a distance so far, "
                 "as these know the particles of one rank alone; leave one of them out");
