@@ -12,6 +12,7 @@
 #include <silt/breakage/fragment_sizes.hpp>
 #include <silt/breakage/smallest_cell.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/quaternion.hpp>
 #include <silt/engine/population/openings.hpp>
 #include <silt/engine/stages/break_stage.hpp>
 
@@ -270,19 +271,36 @@ class BreakAccess {
     return sim().engine_.modules().template of<typename Sim::Composition::Breaking>()[k];
   }
 
-  /// A breaking particle of any rank; all ranks have the same list of them.
+  /// A breaking particle of any rank; all ranks have the same list of them, to the bit.
   struct BreakingParticle {
     DueBreak due;
     Vec3d centre_, velocity_, angular_velocity_;
-    double radius_, mass_, volume, strength, generation;
-    std::uint64_t material_;
+    Quaternion principal_axes_;
+    double radius_, scale_, mass_, volume, strength, generation;
+    std::uint64_t material_, form_;
     Vec3d centre() const { return centre_; }
     Vec3d velocity() const { return velocity_; }
     Vec3d angular_velocity() const { return angular_velocity_; }
+    Quaternion principal_axes() const { return principal_axes_; }
     double radius() const { return radius_; }
+    double scale() const { return scale_; }
     double mass() const { return mass_; }
     std::size_t material() const { return material_; }
+    std::size_t form() const { return form_; }
   };
+  /// What all ranks know as particles break: their ids, sorted, and the forms in use.
+  struct OfRanks {
+    std::vector<ParticleId> gone;
+    std::vector<bool> forms;
+  };
+  BreakingParticle breaking_at(const DueBreak& due, std::size_t k) const {
+    const auto& e = sim().engine_;
+    const auto p = e.owner(k);
+    const auto& f = own_fields(k);
+    return {due,          p.centre(),   p.velocity(), p.angular_velocity(), p.principal_axes(),
+            p.radius(),   p.scale(),    p.mass(),     e.volume_of(k),       f.strength,
+            f.generation, p.material(), p.form()};
+  }
   /// The same with several ranks: every rank breaks the particles of all ranks, in the order of
   /// ids, and keeps its own fragments. Ids, random numbers and dust are thus those of one process.
   /// Returns whether the time step must be checked because of them (collective).
@@ -322,10 +340,10 @@ class BreakAccess {
   /// books it.
   template <class Book>
   void book_contacts_with_ghosts(std::span<const ParticleId> gone, const Book& book);
-  /// Removes the parents and adds their fragments. `gone`: all breaking particles of all ranks.
+  /// Removes the parents and adds their fragments. `all`: with several ranks.
   template <class Particles>
   void take_place(const std::vector<Parent>& parents, const Particles& fragments,
-                  std::span<const ParticleId> gone = {});
+                  const OfRanks& all = {});
 
   Sim& sim() { return static_cast<Sim&>(*this); }
   const Sim& sim() const { return static_cast<const Sim&>(*this); }

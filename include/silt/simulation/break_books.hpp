@@ -74,8 +74,8 @@ void BreakAccess<Sim>::book_contacts(const std::vector<std::uint32_t>& rows,
     book(EndedSolidContacts(e, s.domain_, rows, s.dt_));
   } else {
     book(EndedContacts(e, s.domain_, rows, s.dt_, s.dt_));
-    if constexpr (Sim::has_ranks) book_contacts_with_ghosts(gone, book);
   }
+  if constexpr (Sim::has_ranks) book_contacts_with_ghosts(gone, book);
 }
 
 template <class Sim>
@@ -88,14 +88,23 @@ void BreakAccess<Sim>::book_contacts_with_ghosts(std::span<const ParticleId> gon
   const auto is_gone = [gone](ParticleId id) {
     return std::binary_search(gone.begin(), gone.end(), id);
   };
-  using Ended = EndedContacts<typename Sim::Engine, typename Sim::Domain>;
+  using Engine = typename Sim::Engine;
+  using Domain = typename Sim::Domain;
+  const auto ended = [&](std::size_t k) {
+    if constexpr (Sim::of_bodies) {
+      using Ended = EndedSolidContacts<Engine, Domain>;
+      return Ended(e, s.domain_, typename Ended::OfPair{k}, s.dt_);
+    } else {
+      using Ended = EndedContacts<Engine, Domain>;
+      return Ended(e, s.domain_, typename Ended::OfPair{k}, s.dt_, s.dt_);
+    }
+  };
   pairs.for_each([&](std::size_t k) {
     std::size_t own = pairs.first()[k], other = pairs.second()[k];
     if (own >= e.particles.owned()) std::swap(own, other);
     if (other < e.particles.owned()) return;
-    const ParticleId mine = e.particles.id[own], its = e.particles.id[other];
-    if (is_gone(mine) && (mine < its || !is_gone(its)))
-      book(Ended(e, s.domain_, typename Ended::OfPair{k}, s.dt_, s.dt_));
+    const ParticleId mine = e.id_of(own), its = e.id_of(other);
+    if (is_gone(mine) && (mine < its || !is_gone(its))) book(ended(k));
   });
 }
 

@@ -55,12 +55,8 @@ bool BreakAccess<Sim>::break_due_of_ranks() {
   s.engine_.breaks_due = false;
   std::vector<BreakingParticle> own;
   for (const DueBreak& one : std::exchange(stage.due, {}))
-    if (const std::size_t k = s.engine_.find(one.id); k < s.rows()) {
-      const auto p = s.engine_.owner(k);
-      const auto& f = own_fields(k);
-      own.push_back({one, p.centre(), p.velocity(), p.angular_velocity(), p.radius(), p.mass(),
-                     s.engine_.volume_of(k), f.strength, f.generation, p.material()});
-    }
+    if (const std::size_t k = s.engine_.find(one.id); k < s.rows())
+      own.push_back(breaking_at(one, k));
   ranks.meet("particles that break");
   auto all = gather(ranks.comm(), std::span<const BreakingParticle>(own)).values;
   if (all.empty()) return false;
@@ -70,6 +66,9 @@ bool BreakAccess<Sim>::break_due_of_ranks() {
     if (std::exchange(s.bonds_.fresh, false)) s.engine_.lists.forget(), s.renew_lists();
   // Ghosts at their present positions, for the energy of contacts and bonds that end.
   if constexpr (Sim::has_ledger || Sim::has_bonds) s.engine_.refresh_ghosts_now();
+  OfRanks known;
+  for (const BreakingParticle& one : all) known.gone.push_back(one.due.id);
+  if constexpr (Sim::of_bodies) known.forms = used_forms(s.engine_.mover, ranks.comm());
   bool some_less = false;
   ranks.together("particles that break", [&] {
     std::vector<Parent> parents;
@@ -79,11 +78,9 @@ bool BreakAccess<Sim>::break_due_of_ranks() {
       break_one(one.due, one, one.volume, one, k < s.rows() ? k : nowhere, parents, fragments);
     }
     some_less = follows_sizes() && any_less(fragments);
-    std::vector<ParticleId> gone;
-    for (const BreakingParticle& one : all) gone.push_back(one.due.id);
     if constexpr (Sim::has_ledger)
       if (s.first_kick_) s.book_.was_there(energy_of_all());
-    take_place(parents, fragments, gone);
+    take_place(parents, fragments, known);
     if constexpr (Sim::has_ledger)
       if (s.first_kick_) s.book_.was_there(-energy_of_all());
   });
@@ -161,7 +158,7 @@ void BreakAccess<Sim>::break_one(const DueBreak& due, const Owner& p, double vol
 template <class Sim>
 template <class Particles>
 void BreakAccess<Sim>::take_place(const std::vector<Parent>& parents, const Particles& fragments,
-                                  std::span<const ParticleId> gone) {
+                                  const OfRanks& all) {
   auto& s = sim();
   auto& e = s.engine_;
   const std::size_t from = s.rows();
@@ -175,13 +172,15 @@ void BreakAccess<Sim>::take_place(const std::vector<Parent>& parents, const Part
     if (p.place != nowhere) places.push_back(p.place);
   }
   const auto rows = rows_of(places);
-  if constexpr (Sim::has_ledger) book_contacts(rows, gone);
+  if constexpr (Sim::has_ledger) book_contacts(rows, all.gone);
   if constexpr (Sim::has_bonds)
-    s.bonds_.end_of(e, s.domain_, Sim::has_ranks ? rows_of_ranks(gone) : rows,
+    s.bonds_.end_of(e, s.domain_, Sim::has_ranks ? rows_of_ranks(all.gone) : rows,
                     s.first_kick_ ? 0 : s.dt_);
   s.breaks_.newborn_from = Sim::of_bodies ? s.next_.part : first;
   std::vector<std::size_t> forms;
-  if constexpr (Sim::of_bodies) forms = take_in_cells(e.mover, fragments.forms());
+  if constexpr (Sim::of_bodies)
+    forms =
+        take_in_cells(e.mover, fragments.forms(), Sim::has_ranks ? all.forms : used_forms(e.mover));
   s.join(std::span<const typename Particles::Particle>(fragments.all()), forms,
          std::span<const char>(own));
   if constexpr (Sim::has_ledger)  // the fragments' energy is not lost
