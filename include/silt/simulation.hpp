@@ -312,6 +312,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   std::string tips_at(double speed) const;
   double expected_speed() const;
   void share_scene();
+  void measure_scene();
   std::optional<detail::ShortestContact> shortest_contact(double speed) const;
   double longest_travel_step(double speed) const;
   bool is_step_too_long() const;

@@ -192,6 +192,10 @@ class Engine : public Tables<Composition> {
   /// Records the contact stiffness at this rank's servo walls, which push_walls() needs; must be
   /// called before particles move on.
   void look_at_servos() requires(Composition::has_ranks);
+  /// Must be called after modules that act in pairs may have been given another reach: if it is
+  /// longer, the next step searches, for more ghosts.
+  template <class Stage>
+  void follow_reach(const Stage& stage) requires(Composition::has_ranks);
   // --- integration --------------------------------------------------------------------------
 
   using Advance = detail::Advance;

@@ -36,9 +36,7 @@ template <class Composition>
 template <class IsGone>
 void Engine<Composition>::park_ghosts(const IsGone& is_gone) requires(Composition::has_ranks) {
   const std::size_t parked = particles.parked;
-  std::size_t end = particles.size();
-  if constexpr (of_bodies) end = mover.bodies.size();
-  for (std::size_t k = this->owners(); k < end; ++k)
+  for (std::size_t k = this->owners(); k < this->places(); ++k)
     if (const ParticleId id = this->owner(k).id(); id != no_particle && is_gone(id)) this->park(k);
   particles.parked = parked;  // counts owned particles only
 }
@@ -61,6 +59,14 @@ inline void Engine<Composition>::ghost_forces(
     prepare_ghost_fluxes(times.now);
     if (particles.ghosts > 0) include(sphere_pairs<PairsOf::Ghosts>(domain, times));
   }
+}
+
+template <class Composition>
+template <class Stage>
+void Engine<Composition>::follow_reach(const Stage& stage) requires(Composition::has_ranks) {
+  const auto now = stage.near.reach(stage.modules);
+  if (!ranks.reach.covers(now)) lists.forget();
+  ranks.reach = now;
 }
 
 template <class Composition>

@@ -192,6 +192,7 @@ struct BlockState {
   std::vector<std::uint32_t> sent;
   std::vector<Vec3d> impulses;  // of each wall: own, angular; of all, angular
   std::vector<double> balance;  // of Rebalance
+  std::vector<double> near;     // NearReach, then near_work; absent in older files
   std::vector<std::uint64_t> parts;
 
   static bool is_in(const CheckpointLoader& a) { return a.has("ranks.of"); }
@@ -208,6 +209,9 @@ struct BlockState {
     a.column("ranks.sent", sent, Archive::loads ? any : sent.size());
     a.rows("ranks.impulses", impulses, Archive::loads ? any : impulses.size());
     a.column("ranks.balance", balance, Archive::loads ? any : balance.size());
+    bool has_near = !near.empty();
+    if constexpr (Archive::loads) has_near = a.has("ranks.near");
+    if (has_near) a.column("ranks.near", near, Archive::loads ? any : near.size());
     a.column("ranks.parts", parts, Archive::loads ? any : parts.size());
   }
 
@@ -233,6 +237,8 @@ struct BlockState {
                         {state.loads.own[w].impulse, state.loads.own[w].angular,
                          state.loads.shared[w].impulse, state.loads.shared[w].angular});
     s.balance = {state.lost, state.moved};
+    s.near = {state.reach.of_surfaces, state.reach.of_centres};
+    s.near.insert(s.near.end(), state.near_work.begin(), state.near_work.end());
     using Ranks = std::remove_cvref_t<decltype(e.ranks)>;
     if constexpr (Ranks::template tells_parts<BytesOut>) {
       BytesOut bytes;
@@ -262,6 +268,8 @@ struct BlockState {
     typename Ranks::State state;
     state.present = present, state.last_step = static_cast<std::int64_t>(counts[5]);
     state.lost = balance[0], state.moved = balance[1];
+    if (near.size() >= 2)
+      state.reach = {near[0], near[1]}, state.near_work.assign(near.begin() + 2, near.end());
     for (std::size_t k = 0; k < impulses.size(); k += 4) {
       state.loads.own.push_back({impulses[k], impulses[k + 1]});
       state.loads.shared.push_back({impulses[k + 2], impulses[k + 3]});
@@ -275,6 +283,8 @@ struct BlockState {
     a.need(counts.size() == 6 && balance.size() == 2 && impulses.size() == 4 * walls &&
                neighbours.size() % 4 == 0,
            "its data on ranks are not those of a rank");
+    a.need(near.size() <= 2 || near.size() == 2 + owners, "ranks.near is not of ", owners,
+           " particles");
     std::uint64_t all = 0, next = rows - ghosts;
     for (std::size_t k = 0; k < neighbours.size(); k += 4) {
       a.need(neighbours[k] < of && neighbours[k] != rank &&

@@ -68,7 +68,7 @@ void Simulation<Policies...>::begin_run() {
   engine_.set_coefficients(contacts_);
   engine_.set_flux_coefficients(modules_, contacts_);
   if constexpr (has_breakage) this->prepare_breakage();
-  modules_.look_near(engine_, domain_, time_, true, true);
+  if constexpr (!has_ranks) modules_.look_near(engine_, domain_, time_, true, true);
   if (dt_ == 0 || (time_step && *time_step != dt_) || (scene_changed_ && is_step_too_long()) ||
       (laws_changed_ && is_longer_than_own()))
     change_step(chosen_time_step());

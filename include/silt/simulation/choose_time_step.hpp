@@ -98,11 +98,21 @@ double Simulation<Policies...>::expected_speed() const {
 /// The quantities that determine the time step, over the particles of all ranks (collective).
 template <class... Policies>
 void Simulation<Policies...>::share_scene() {
+  engine_.set_flux_coefficients(modules_, contacts_);
+  if constexpr (has_ranks && Modules::in_pairs) {
+    detail::NearOthers<Modules>::look(modules_.near, modules_.modules, engine_, domain_, time_);
+    engine_.follow_reach(modules_);
+  }
+  measure_scene();
+}
+
+/// The same in a step, with the rates that modules which act in pairs have measured last.
+template <class... Policies>
+void Simulation<Policies...>::measure_scene() {
   if constexpr (has_ranks) {
     auto& ranks = engine_.ranks;
     ranks.measure(engine_.particles);
     detail::SceneSize own;
-    engine_.set_flux_coefficients(modules_, contacts_);
     ranks.together("a look at the scene", [&] {
       for (std::size_t k = 0; k < rows(); ++k)
         if (is_present(k)) {
@@ -213,7 +223,7 @@ void Simulation<Policies...>::follow_sizes() {
     if (!sizes.measure(engine_, contacts_.materials()) && fastest <= sizes.speed) return;
     const std::array<double, 3> own{engine_.largest_speed, engine_.largest_share,
                                     engine_.largest_overlap};
-    share_scene();
+    measure_scene();
     if constexpr (has_ranks && has_bonds) this->share_bonds();
     engine_.largest_speed = own[0], engine_.largest_share = own[1];  // keep_limits() checks its own
     engine_.largest_overlap = own[2];

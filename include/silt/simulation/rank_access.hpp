@@ -71,6 +71,7 @@ class RankAccess {
     own.work += static_cast<double>(e.lists.pairs.size()) - 0.5 * static_cast<double>(with_ghosts);
     own.contacts = e.touching_pairs(sim().domain());
     if constexpr (Sim::has_ranks) {
+      for (const double more : e.ranks.near_work) own.work += more;
       const auto& counts = e.ranks.counts;
       own.ghosts = e.particles.ghosts;
       own.migrated = counts.migrated, own.messages = counts.messages, own.bytes = counts.bytes;

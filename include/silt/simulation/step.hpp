@@ -195,6 +195,8 @@ void Simulation<Policies...>::finish_step() {
     if (kicked_) engine_.move_box(domain_, dt_);
   // As observers may have changed the parameters of modules, or added a wall of a new material.
   if (kicked_) engine_.set_flux_coefficients(modules_, contacts_);
+  if constexpr (has_ranks && Modules::in_pairs)
+    if (kicked_) engine_.ranks.until_later([this] { engine_.follow_reach(modules_); });
   kicked_ = observed_ = false;
   const auto update = [this] { modules_.update(engine_, step_ + 1, time_at(step_ + 1), dt_); };
   if constexpr (has_ranks)

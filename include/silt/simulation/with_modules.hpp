@@ -37,6 +37,7 @@ void Simulation<Policies...>::act_in_pairs() {
     bool asked = true, measure = first_kick_ || step_ % measure_every == 0;
     if constexpr (Modules::flux) asked = engine_.fluxes().asked();
     modules_.look_near(engine_, domain_, time_, asked, measure);
+    if constexpr (has_ranks) modules_.near.weigh(domain_, engine_.ranks.near_work);
     modules_.near.receive(engine_.modules(), asked);
   }
 }

@@ -51,6 +51,13 @@ class Tables {
   /// The particle (sphere or body) at place k of owners().
   auto owner(std::size_t k) const { return Owner<Composition, State, Mover>(particles, mover, k); }
   std::size_t owners() const { return Owner<Composition, State, Mover>::count(particles, mover); }
+  /// The number of owners and, behind them, ghosts.
+  std::size_t places() const {
+    if constexpr (of_bodies)
+      return mover.bodies.size();
+    else
+      return particles.size();
+  }
   /// [m3] of the particle at place k.
   double volume_of(std::size_t k) const {
     const auto p = owner(k);

@@ -120,8 +120,12 @@ void NearLists<Composition, Pairs, Walls, Mover>::change_ranks(const Scene& scen
 template <class Composition, class Pairs, class Walls, class Mover>
 void NearLists<Composition, Pairs, Walls, Mover>::add_ghosts(const Scene& scene) {
   const std::size_t owned = scene.particles.size();
-  change_.add_ghosts(scene.ranks, rows_of(scene), {grown_.data(), owned}, scene.domain,
-                     upkeep.outer);
+  if constexpr (Composition::Modules::in_pairs)
+    change_.add_ghosts(scene.ranks, rows_of(scene), grown_by_modules(scene), scene.domain,
+                       upkeep.outer);
+  else
+    change_.add_ghosts(scene.ranks, rows_of(scene), {grown_.data(), owned}, scene.domain,
+                       upkeep.outer);
   grown_.resize(scene.particles.size());
   for (std::size_t k = owned; k < grown_.size(); ++k) {
     grown_[k] = scene.particles.position[k];
@@ -129,6 +133,26 @@ void NearLists<Composition, Pairs, Walls, Mover>::add_ghosts(const Scene& scene)
   }
   for (const PositionRow& p : grown_) largest_grown_ = std::max(largest_grown_, p.r);
   largest_grown_ = scene.ranks.max_of(largest_grown_);
+}
+
+/// The owned rows, grown until those of particles that modules see together, or will before the
+/// next search, overlap.
+template <class Composition, class Pairs, class Walls, class Mover>
+std::vector<PositionRow> NearLists<Composition, Pairs, Walls, Mover>::grown_by_modules(
+    const Scene& scene) const {
+  std::vector<PositionRow> rows(grown_.begin(), grown_.end());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    double radius, aside = 0;
+    if constexpr (State::of_bodies) {
+      const auto& part = scene.particles.part[k];
+      const Body& body = scene.mover.bodies[part.body];
+      radius = body.radius, aside = norm(body.centre + part.image - rows[k].centre());
+    } else {
+      radius = scene.particles.position[k].r;
+    }
+    rows[k].r = std::max(rows[k].r, scene.ranks.reach.around(radius) + upkeep.outer[k] + aside);
+  }
+  return rows;
 }
 
 template <class Composition, class Pairs, class Walls, class Mover>

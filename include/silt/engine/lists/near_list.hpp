@@ -13,16 +13,25 @@
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/engine/lists/box_images.hpp>
+#include <silt/module/concept.hpp>
 #include <silt/search/hashed_grid.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
+
+/// The particles among which a list is made: those of this process, and behind them, with several
+/// ranks, those of others that its own may be near to.
+struct NearParticles {
+  std::vector<Seen> seen;  // id: no_particle where a place is empty
+  std::size_t own = 0;
+};
 
 /// The pairs of particles (spheres, or whole bodies) within a given cut-off of each other, or soon
 /// to be: a Verlet list with one skin for all. It is renewed when two particles may have approached
 /// by the skin, or when memory places hold other particles than before (births, sorting, restarts).
 /// Particles that have left stay in it until then and are skipped by the user of the list.
 ///
-/// Each pair is listed once, the lower place first, in ascending order. Pairs beyond the cut-off
+/// Each pair is listed once, the lower place first, in ascending order; pairs of other ranks alone
+/// are left out. Pairs beyond the cut-off
 /// add nothing to a sum; results therefore depend neither on the skin nor on when the list was
 /// renewed, and a checkpoint need not store it.
 ///
@@ -38,13 +47,13 @@ class NearList {
   };
 
   /// Brings the list up to date. `name`: of the module, for messages.
-  template <class Engine>
-  void renew(const Engine& e, const Domain& domain, const Reach& reach, const char* name) {
-    if (holds(e, domain, reach)) return void(++looks_);
-    choose_skin(e, domain, reach, name);
-    take_places(e, domain, reach);
-    find(domain, e.team());
-    sort(e.team());
+  void renew(const NearParticles& of, const Domain& domain, const Team& team, const Reach& reach,
+             const char* name) {
+    if (holds(of, domain, team, reach)) return void(++looks_);
+    choose_skin(of.seen, domain, reach, name);
+    take_places(of, domain, reach);
+    find(domain, team);
+    sort(team);
     looks_ = 0;
   }
   std::size_t pairs() const { return second_.size(); }
@@ -58,16 +67,16 @@ class NearList {
   /// Calls visit(pair, first, second) for each pair; pairs are shared between threads.
   template <class Visit>
   void for_each(const Team& team, const Visit& visit) const {
-    team.for_ranges(ids_.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+    team.for_ranges(own_, [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k)
         for (std::size_t p = first_[k]; p < first_[k + 1]; ++p) visit(p, k, second_[p]);
     });
   }
-  /// Calls add(place, pair, sign) for each particle and all its pairs, in ascending order of the
-  /// partners. sign is 1 if the particle is the first of the pair, -1 if it is the second.
+  /// Calls add(place, pair, sign) for each own particle and all its pairs, in ascending order of
+  /// the partners. sign is 1 if the particle is the first of the pair, -1 if it is the second.
   template <class Add>
   void gather(const Team& team, const Add& add) const {
-    team.for_ranges(ids_.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+    team.for_ranges(own_, [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k) {
         for (std::size_t p = into_first_[k]; p < into_first_[k + 1]; ++p) add(k, into_[p], -1);
         for (std::size_t p = first_[k]; p < first_[k + 1]; ++p) add(k, p, 1);
@@ -89,17 +98,18 @@ class NearList {
   }
   /// Two particles have approached by no more than the sum of their displacements, and of their
   /// growth where the cut-off is between surfaces.
-  template <class Engine>
-  bool holds(const Engine& e, const Domain& domain, const Reach& reach) const {
-    if (deforms<Domain> || e.owners() != ids_.size() || !(reach == reach_)) return false;
+  bool holds(const NearParticles& of, const Domain& domain, const Team& team,
+             const Reach& reach) const {
+    if (deforms<Domain> || of.seen.size() != ids_.size() || of.own != own_ || !(reach == reach_))
+      return false;
     std::array<double, Team::most_ranges> most{};
-    e.team().for_ranges(ids_.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
+    team.for_ranges(ids_.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k) {
-        const auto p = e.owner(k);
-        if (!p.is_there()) continue;
-        double moved = norm(way(p.centre() - from_[k].centre(), domain));
-        if (reach.of_surfaces) moved += std::max(p.radius() - from_[k].r, 0.0);
-        if (p.id() != ids_[k]) moved = INFINITY;
+        const Seen& p = of.seen[k];
+        if (p.id == no_particle) continue;
+        double moved = norm(way(p.position - from_[k].centre(), domain));
+        if (reach.of_surfaces) moved += std::max(p.radius - from_[k].r, 0.0);
+        if (p.id != ids_[k]) moved = INFINITY;
         most[r] = std::max(most[r], moved);
       }
     });
@@ -108,11 +118,11 @@ class NearList {
 
   /// A tenth of the cut-off at first; increased if the list lasted for only a few steps, decreased
   /// if it lasted long. Results do not depend on it.
-  template <class Engine>
-  void choose_skin(const Engine& e, const Domain& domain, const Reach& reach, const char* name) {
+  void choose_skin(std::span<const Seen> seen, const Domain& domain, const Reach& reach,
+                   const char* name) {
     double largest = 0;
-    for (std::size_t k = 0; k < e.owners(); ++k)
-      if (e.owner(k).is_there()) largest = std::max(largest, e.owner(k).radius());
+    for (const Seen& p : seen)
+      if (p.id != no_particle) largest = std::max(largest, p.radius);
     const double cutoff = reach.length + (reach.of_surfaces ? 2 * largest : 0);
     if (!(reach == reach_)) share_ = 0.1;
     if (looks_ > 0 && looks_ < 20) share_ = std::min(1.5 * share_, 0.5);
@@ -131,22 +141,22 @@ class NearList {
       }
   }
 
-  template <class Engine>
-  void take_places(const Engine& e, const Domain& domain, const Reach& reach) {
-    const std::size_t n = e.owners();
+  void take_places(const NearParticles& of, const Domain& domain, const Reach& reach) {
+    const std::size_t n = of.seen.size();
     ids_.resize(n), from_.resize(n);
     rows_.clear(), places_.clear();
-    largest_ = 0;
+    largest_ = 0, own_ = of.own;
     for (std::size_t k = 0; k < n; ++k) {
-      const auto p = e.owner(k);
-      const Vec3d at = p.centre();
-      ids_[k] = p.id(), from_[k] = {at.x, at.y, at.z, p.radius()};
-      if (!p.is_there()) continue;
+      const Seen& p = of.seen[k];
+      ids_[k] = p.id;
+      if (p.id == no_particle) continue;
+      const Vec3d at = p.position;
+      from_[k] = {at.x, at.y, at.z, p.radius};
       Vec3d inside = at;
       if constexpr (Domain::periodic) inside = domain.wrapped(at);
       // Rounding of the wrapped position must not lose a pair.
       const double grown =
-          (1 + 1e-9) * (reach.length + skin_) / 2 + (reach.of_surfaces ? p.radius() : 0);
+          (1 + 1e-9) * (reach.length + skin_) / 2 + (reach.of_surfaces ? p.radius : 0);
       rows_.push_back({inside.x, inside.y, inside.z, grown});
       places_.push_back(static_cast<std::uint32_t>(k));
       largest_ = std::max(largest_, grown);
@@ -169,8 +179,9 @@ class NearList {
     for (IndexPair& p : found_) {
       const std::uint32_t a = places_[p.a], b = places_[p.b];
       p = {std::min(a, b), std::max(a, b)};
-      ++first_[p.a + 1], ++into_first_[p.b + 1];
     }
+    if (own_ < n) std::erase_if(found_, [this](const IndexPair& p) { return p.a >= own_; });
+    for (const IndexPair& p : found_) ++first_[p.a + 1], ++into_first_[p.b + 1];
     for (std::size_t k = 0; k < n; ++k)
       first_[k + 1] += first_[k], into_first_[k + 1] += into_first_[k];
     second_.resize(found_.size()), into_.resize(found_.size());
@@ -190,6 +201,7 @@ class NearList {
   Reach reach_;
   double skin_ = 0, share_ = 0.1, largest_ = 0;  // [m], [-] of the cut-off, [m] of grown spheres
   std::size_t looks_ = 0;                        // since the list was made
+  std::size_t own_ = 0;                          // particles that are not ghosts
   std::vector<ParticleId> ids_;                  // at each place, when the list was made
   std::vector<PositionRow> from_;                // positions at that time
   std::vector<std::size_t> first_, into_first_, next_;

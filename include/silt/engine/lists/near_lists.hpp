@@ -331,6 +331,7 @@ class NearLists {
   }
   void change_ranks(const Scene& scene, std::int64_t step);
   void add_ghosts(const Scene& scene);
+  std::vector<PositionRow> grown_by_modules(const Scene& scene) const;
 
   void drop_parked(const Scene& scene);
 

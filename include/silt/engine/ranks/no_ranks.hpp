@@ -13,6 +13,8 @@ template <class State, class Mover, class Pairs, class Walls>
 class RankChange;  // rank_change.hpp
 template <class Stage, class Engine>
 class RankBonds;  // rank_bonds.hpp
+template <class List>
+class NearOthers;  // near_others.hpp
 
 template <>
 class RankStage<NoRanks> {

@@ -54,7 +54,7 @@ class RankChange {
     const AddsSeconds timed(ranks.seconds.searches);
     State& particles = rows.particles;
     const std::size_t owned = particles.owned(), before = particles.size();
-    weigh(pairs, owned);
+    weigh(rows, std::exchange(ranks.near_work, {}), pairs, owned);
     const std::vector<int> to = ranks.choose_ranks(particles, rows.mover, weights_, step);
     if constexpr (State::bonded) ranks.bonds->leave(to);
     const auto goes = [&](std::size_t k) { return to[k] >= 0 && to[k] != ranks.rank(); };
@@ -83,6 +83,7 @@ class RankChange {
   }
 
   /// Receives the ghosts, behind the owned rows, with their reaches [m] (collective).
+  /// `grown`: the owned rows, grown by these; beyond that modules that act in pairs need ghosts.
   template <class Stage, class Domain, class Reaches>
   void add_ghosts(Stage& ranks, const Rows& rows, std::span<const PositionRow> grown,
                   const Domain& domain, Reaches& reaches) {
@@ -193,9 +194,18 @@ class RankChange {
     }
   }
 
-  /// The work of each owned row: 1, plus 0.5 for each pair that it belongs to.
-  void weigh(const Pairs& pairs, std::size_t owned) {
+  /// The work of each owned row: 1, plus 0.5 for each pair that it belongs to, plus what modules
+  /// that act in pairs have with its particle.
+  void weigh(const Rows& rows, const std::vector<double>& near, const Pairs& pairs,
+             std::size_t owned) {
     weights_.assign(owned, 1);
+    for (std::size_t k = 0; k < owned && !near.empty(); ++k)
+      if constexpr (State::of_bodies) {
+        const auto& part = rows.particles.part[k];
+        if (part.local == 0 && part.body < near.size()) weights_[k] += near[part.body];
+      } else {
+        if (k < near.size()) weights_[k] += near[k];
+      }
     pairs.for_each([&](std::size_t k) {
       const std::uint32_t a = pairs.first()[k], b = pairs.second()[k];
       if (a < owned) weights_[a] += 0.5;

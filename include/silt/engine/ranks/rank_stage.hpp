@@ -21,6 +21,7 @@
 
 #include <silt/core/box.hpp>
 #include <silt/core/position_row.hpp>
+#include <silt/engine/ranks/near_reach.hpp>
 #include <silt/engine/ranks/no_ranks.hpp>
 #include <silt/engine/ranks/packed.hpp>
 #include <silt/engine/ranks/passed_rows.hpp>
@@ -84,6 +85,8 @@ class RankStage {
   mutable RankSeconds seconds;                   // since this process began
   std::vector<std::array<double, 2>> of_servos;  // of walls [N/m], [N s/m]: look_at_servos()
   BondsAtSearch* bonds = nullptr;                // while lists are renewed, if there are bonds
+  NearReach reach;                // of modules that act in pairs, since the last search
+  std::vector<double> near_work;  // of them, for each owner, in units of a contact
 
   void set(Policy policy) { policy_ = std::move(policy); }
   const auto& comm() const { return policy_->comm; }
@@ -230,15 +233,19 @@ class RankStage {
     std::size_t present = 0;
     std::int64_t last_step = 0;
     double lost = 0, moved = -1;  // Rebalance
+    NearReach reach;
+    std::vector<double> near_work;
   };
   State state(std::size_t walls) const {
-    State s{wall_loads_, present_, last_step_, policy_->rebalance.lost, policy_->rebalance.moved};
+    State s{wall_loads_, present_, last_step_, policy_->rebalance.lost, policy_->rebalance.moved,
+            reach,       near_work};
     s.loads.resize(walls);
     return s;
   }
   void restore(State s) {
     wall_loads_ = std::move(s.loads), present_ = s.present;
     last_step_ = s.last_step, policy_->rebalance.lost = s.lost, policy_->rebalance.moved = s.moved;
+    reach = s.reach, near_work = std::move(s.near_work);
   }
   using PartsType = std::remove_cvref_t<decltype(std::declval<Policy&>().parts)>;
   /// Whether the decomposition has a state to save; visits it with for_each_state(visit).

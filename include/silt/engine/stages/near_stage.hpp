@@ -7,11 +7,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include <silt/core/storage.hpp>
 #include <silt/engine/lists/near_list.hpp>
+#include <silt/engine/ranks/near_reach.hpp>
 #include <silt/engine/state/module_columns.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -31,12 +34,14 @@ class NearPairs<M, Domain, true> {
   AlignedVector<double> flux;              // [.../s] into each
   AlignedVector<double> stiffness, slope;  // [N/m], [.../s]: sums from the last look that measured
 
-  template <class Engine>
-  void look(const M& module, const Engine& e, const Domain& domain, const std::vector<Seen>& seen,
-            bool measure, const char* name) {
-    list.renew(e, domain, reach_of(module, name), name);
+  /// `fields(k)`: of the particle at place k.
+  template <class Fields>
+  void look(const M& module, const NearParticles& of, const Fields& fields, const Domain& domain,
+            const Team& team, bool measure) {
+    const std::string name = name_of_module<M>();
+    list.renew(of, domain, team, reach_of(module), name.c_str());
     const auto ask = [&](auto& of_pairs, auto& of_particles, const auto& answer, auto sum) {
-      ask_all(e, domain, seen, of_pairs, of_particles, answer, sum);
+      ask_all(of, fields, domain, team, of_pairs, of_particles, answer, sum);
     };
     using Of = FieldsOf<M>;
     using D = const Apart&;
@@ -88,45 +93,59 @@ class NearPairs<M, Domain, true> {
   }
   double slope_of(std::size_t k) const { return k < slope.size() ? slope[k] : 0; }
 
- private:
-  static constexpr auto opposite = [](int sign, const auto& x) { return double(sign) * x; };
-  static constexpr auto alike = [](int, const auto& x) { return x; };
+  /// Whether two particles are there and within the cut-off.
+  bool sees(const Seen& a, const Seen& b, const Domain& domain) const {
+    if (a.id == no_particle || b.id == no_particle) return false;
+    const Vec3d d = way(a, b, domain);
+    return list.within(dot(d, d), a.radius, b.radius);
+  }
 
-  static typename NearList<Domain>::Reach reach_of(const M& module, const char* name) {
+  static typename NearList<Domain>::Reach reach_of(const M& module) {
     double length = 0;
     if constexpr (SaysReach<M>)
       length = module.reach();
     else
       length = module.gap_reach();
-    require_positive(text(name, SaysReach<M> ? "::reach()" : "::gap_reach()"), length, "m");
+    require_positive(text(name_of_module<M>(), SaysReach<M> ? "::reach()" : "::gap_reach()"),
+                     length, "m");
     return {length, !SaysReach<M>};
   }
-  template <class Engine, class Value, class Answer, class Sum>
-  void ask_all(const Engine& e, const Domain& domain, const std::vector<Seen>& seen,
-               AlignedVector<Value>& of_pairs, AlignedVector<Value>& of_particles,
+
+ private:
+  static constexpr auto opposite = [](int sign, const auto& x) { return double(sign) * x; };
+  static constexpr auto alike = [](int, const auto& x) { return x; };
+
+  /// [m] from the second particle to the first.
+  static Vec3d way(const Seen& a, const Seen& b, [[maybe_unused]] const Domain& domain) {
+    const Vec3d d = a.position - b.position;
+    if constexpr (Domain::periodic)
+      return domain.shortest(d);
+    else
+      return d;
+  }
+  /// The first particle of a pair is the one at the lower place; if the other belongs to another
+  /// rank, the one with the lower id, so that both ranks compute the same.
+  template <class Fields, class Value, class Answer, class Sum>
+  void ask_all(const NearParticles& of, const Fields& fields, const Domain& domain,
+               const Team& team, AlignedVector<Value>& of_pairs, AlignedVector<Value>& of_particles,
                const Answer& answer, const Sum& sum) {
     of_pairs.resize(list.pairs());
-    list.for_each(e.team(), [&](std::size_t pair, std::size_t i, std::size_t j) {
+    list.for_each(team, [&](std::size_t pair, std::size_t i, std::size_t j) {
       of_pairs[pair] = Value{};
-      const Seen &a = seen[i], &b = seen[j];
-      if (a.id == no_particle || b.id == no_particle) return;
-      Vec3d d = a.position - b.position;
-      if constexpr (Domain::periodic) d = domain.shortest(d);
+      if (of.seen[i].id == no_particle || of.seen[j].id == no_particle) return;
+      const bool turned = j >= of.own && of.seen[i].id > of.seen[j].id;
+      if (turned) std::swap(i, j);
+      const Seen &a = of.seen[i], &b = of.seen[j];
+      const Vec3d d = way(a, b, domain);
       const double distance2 = dot(d, d);
       if (!list.within(distance2, a.radius, b.radius)) return;
-      of_pairs[pair] = answer(Apart{d, std::sqrt(distance2)}, a, fields(e, i), b, fields(e, j));
+      const Value found = answer(Apart{d, std::sqrt(distance2)}, a, fields(i), b, fields(j));
+      of_pairs[pair] = turned ? sum(-1, found) : found;
     });
-    of_particles.assign(seen.size(), Value{});
-    list.gather(e.team(), [&](std::size_t k, std::size_t pair, int sign) {
+    of_particles.assign(of.own, Value{});
+    list.gather(team, [&](std::size_t k, std::size_t pair, int sign) {
       of_particles[k] += sum(sign, of_pairs[pair]);
     });
-  }
-  template <class Engine>
-  static decltype(auto) fields(const Engine& e, std::size_t k) {
-    if constexpr (has_fields<M>)
-      return (e.modules().template of<M>()[k]);
-    else
-      return NoFields{};
   }
 
   AlignedVector<Vec3d> forces_;  // one per pair
@@ -142,6 +161,7 @@ template <class Domain, class... Ms>
 class NearStage<ModuleList<Ms...>, Domain> {
  public:
   static constexpr bool active = ModuleList<Ms...>::in_pairs;
+  NearParticles near;  // of the last look
 
   /// Evaluates the pair interactions of modules now; `measure`: also their rates of change. Modules
   /// whose contact flux is held in this step (`asked` is false) are skipped; their pair flux is
@@ -151,14 +171,56 @@ class NearStage<ModuleList<Ms...>, Domain> {
             bool asked, bool measure) {
     measured_ = measure;
     if (!(wanted<Ms>(asked || measure) || ...)) return;
-    seen_.resize(e.owners());
-    e.team().for_ranges(seen_.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+    see(e, e.places(), time);
+    look_at_seen(modules, e, domain, asked, measure);
+  }
+  /// The same among the particles in `near`.
+  template <class Engine>
+  void look_at_seen(const std::tuple<Ms...>& modules, const Engine& e, const Domain& domain,
+                    bool asked, bool measure) {
+    measured_ = measure;
+    (look_one<Ms>(modules, e, domain, asked || measure, measure), ...);
+  }
+  /// The particles at the first places of the engine.
+  template <class Engine>
+  void see(const Engine& e, std::size_t places, double time) {
+    near.own = e.owners(), near.seen.resize(places);
+    e.team().for_ranges(places, [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k) {
-        seen_[k].id = no_particle;
-        if (e.owner(k).is_there()) seen_[k] = e.seen(k, time);
+        near.seen[k].id = no_particle;
+        if (e.owner(k).is_there()) near.seen[k] = e.seen(k, time);
       }
     });
-    (look_one<Ms>(modules, e, domain, asked || measure, measure), ...);
+  }
+  /// With several ranks (NearOthers): fields of the particles behind the own ones that are no
+  /// ghosts; else empty.
+  template <class M>
+  auto& of_others() {
+    return std::get<ModuleList<Ms...>::template index_of<M>>(others_);
+  }
+  template <class M>
+  const auto& of_others() const {
+    return std::get<ModuleList<Ms...>::template index_of<M>>(others_);
+  }
+  /// The largest reach of all modules.
+  static NearReach reach(const std::tuple<Ms...>& modules) {
+    NearReach most;
+    const auto include = [&]<class M>(const M& module) {
+      if constexpr (ActsInPairs<M>) {
+        const auto own = NearPairs<M, Domain>::reach_of(module);
+        double& of = own.of_surfaces ? most.of_surfaces : most.of_centres;
+        of = std::max(of, own.length);
+      }
+    };
+    (include(std::get<Ms>(modules)), ...);
+    return most;
+  }
+  /// In the first look after a search on several ranks: the work of each own particle's pairs, in
+  /// units of a contact's.
+  void weigh(const Domain& domain, std::vector<double>& work) const {
+    if (work.size() == near.own) return;
+    work.assign(near.own, 0);
+    (weigh_one<Ms>(domain, work), ...);
   }
   /// Whether the last look measured rates.
   bool measured() const { return measured_; }
@@ -205,8 +267,31 @@ class NearStage<ModuleList<Ms...>, Domain> {
     constexpr std::size_t own = ModuleList<Ms...>::template index_of<M>;
     if constexpr (ActsInPairs<M>)
       if (wanted<M>(asked))
-        std::get<own>(pairs_).look(std::get<own>(modules), e, domain, seen_, measure,
-                                   name_of_module<M>().c_str());
+        std::get<own>(pairs_).look(
+            std::get<own>(modules), near,
+            [&](std::size_t k) -> decltype(auto) { return this->template fields<M>(e, k); }, domain,
+            e.team(), measure);
+  }
+  template <class M, class Engine>
+  decltype(auto) fields(const Engine& e, std::size_t k) const {
+    if constexpr (!has_fields<M>)
+      return NoFields{};
+    else if constexpr (Engine::of_ranks)
+      return (of_others<M>().empty() || k < near.own ? e.modules().template of<M>()[k]
+                                                     : of_others<M>()[k - near.own]);
+    else
+      return (e.modules().template of<M>()[k]);
+  }
+  template <class M>
+  void weigh_one(const Domain& domain, std::vector<double>& work) const {
+    if constexpr (ActsInPairs<M>) {
+      constexpr double of_a_side = 0.25;
+      of<M>().list.for_each(Team{}, [&](std::size_t, std::size_t i, std::size_t j) {
+        if (!of<M>().sees(near.seen[i], near.seen[j], domain)) return;
+        work[i] += of_a_side;
+        if (j < near.own) work[j] += of_a_side;
+      });
+    }
   }
   template <class M>
   void add_force(Vec3d& sum, std::size_t k) const {
@@ -228,7 +313,7 @@ class NearStage<ModuleList<Ms...>, Domain> {
   }
 
   std::tuple<NearPairs<Ms, Domain>...> pairs_;
-  std::vector<Seen> seen_;
+  std::tuple<std::vector<FieldsOf<Ms>>...> others_;
   bool measured_ = false;
 };
 

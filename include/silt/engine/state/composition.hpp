@@ -143,9 +143,6 @@ struct Composition {
   static_assert(!has_ranks || std::is_same_v<Fluid, NoFluid> || !FluidTraits<Fluid>::active,
                 "Ranks cannot be coupled to a fluid so far: each rank would need the flow of all; "
                 "leave one of them out");
-  static_assert(!has_ranks || !Modules::in_pairs,
-                "Ranks does not go with modules that act between particles at a distance so far, "
-                "as these know the particles of one rank alone; leave one of them out");
   static_assert(!has_ranks || !deforms<Domain>,
                 "Ranks does not go with a DeformingBox so far; take PeriodicBox");
   static_assert(!has_surfaces || std::is_same_v<Scalar, double>,

@@ -242,12 +242,14 @@ struct ModuleColumns<ModuleList<Ms...>> {
     (visit_fields<Ms>(visit), ...);
   }
 
-  /// The part of the fields that a flux reads and that ghosts receive in each step: a single number
-  /// if the module names one; all fields if it computes its contact value from them.
+  /// The part of the fields that ghosts receive in each step: a single number if the module names
+  /// one for its flux; all fields if it computes its contact value from them or acts in pairs.
   template <class M>
-  static constexpr std::size_t numbers_for_flux = !Exchanges<M>        ? 0
-                                                  : HasContactValue<M> ? numbers_of_fields<M>
-                                                                       : 1;
+  static constexpr bool reads_all = HasContactValue<M> || ActsInPairs<M>;
+  template <class M>
+  static constexpr std::size_t numbers_for_flux = reads_all<M>   ? numbers_of_fields<M>
+                                                  : Exchanges<M> ? 1
+                                                                 : 0;
   using ForFlux = std::array<double, (std::size_t{0} + ... + numbers_for_flux<Ms>)>;
   ForFlux for_flux(std::size_t k) const {
     ForFlux numbers;
@@ -263,7 +265,9 @@ struct ModuleColumns<ModuleList<Ms...>> {
  private:
   template <class M>
   void give_for_flux([[maybe_unused]] std::size_t k, double*& to) const {
-    if constexpr (HasContactValue<M>)
+    if constexpr (numbers_for_flux<M> == 0)
+      return;
+    else if constexpr (reads_all<M>)
       std::memcpy(to, &of<M>()[k], sizeof(FieldsOf<M>));
     else if constexpr (Exchanges<M>)
       *to = of<M>()[k].*M::exchanged;
@@ -271,7 +275,9 @@ struct ModuleColumns<ModuleList<Ms...>> {
   }
   template <class M>
   void take_for_flux([[maybe_unused]] std::size_t k, const double*& from) {
-    if constexpr (HasContactValue<M>)
+    if constexpr (numbers_for_flux<M> == 0)
+      return;
+    else if constexpr (reads_all<M>)
       std::memcpy(static_cast<void*>(&of<M>()[k]), from, sizeof(FieldsOf<M>));
     else if constexpr (Exchanges<M>)
       of<M>()[k].*M::exchanged = *from;

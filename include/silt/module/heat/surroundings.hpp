@@ -24,7 +24,7 @@ namespace silt::inline SILT_TARGET {
 /// given. The part into a wall is lost. The elastic energy of tangential springs counts as heat
 /// while it is stored, and is taken back. FrictionHeat may be placed around or inside Heat and
 /// MutualRadiation: the order does not matter.
-/// Tests:  tests/physics/heat.cpp (heat gained is energy lost, 1e-9; around Heat), radiation.cpp.
+/// Tests:  tests/physics/heat.cpp (heat gained is energy lost, 1e-9), heat_modules.cpp (around Heat).
 ///
 /// Source: none: the ledger's dissipation.
 /// Valid:  with an EnergyLedger.
@@ -45,7 +45,7 @@ struct FrictionHeat : Base {
 /// Valid:  a single sphere, Re < 200 (drops); used up to some 1e4.
 /// Units:  [-].
 /// Errors: none.
-/// Tests:  tests/physics/heat.cpp, tests/coupling/heat.cpp.
+/// Tests:  tests/physics/heat_modules.cpp, tests/coupling/heat.cpp.
 struct RanzMarshall {
   static double nusselt(double Re, double Pr, double /*voidage*/) {
     return 2 + 0.6 * std::sqrt(Re) * std::cbrt(Pr);
@@ -61,7 +61,7 @@ struct RanzMarshall {
 /// Valid:  0.35 < e <= 1, Re < 1e5.
 /// Units:  [-].
 /// Errors: none.
-/// Tests:  tests/physics/heat.cpp, tests/coupling/heat.cpp.
+/// Tests:  tests/physics/heat_modules.cpp, tests/coupling/heat.cpp.
 struct Gunn {
   static double nusselt(double Re, double Pr, double e) {
     const double third = std::cbrt(Pr);
@@ -77,7 +77,7 @@ struct Gunn {
 ///
 /// A step uses the exact exponential for constant gas properties; small particles need no shorter
 /// step. The surface of bodies is that of their bounding sphere.
-/// Tests: tests/physics/heat.cpp (a grain in hot gas, Nu = 2 at rest).
+/// Tests: tests/physics/heat_modules.cpp (a grain in hot gas, Nu = 2 at rest).
 /// Source: as its Nusselt number.
 /// Valid:  as its Nusselt number; for a gas that the particles do not change.
 /// Units:  SI.
@@ -124,7 +124,7 @@ struct Convection {
 ///   Q = sigma emissivity 4 pi R^2 (T_surroundings^4 - T^4).
 /// Radiation between particles is not included; in a bed use an effective temperature of the
 /// surroundings.
-/// Tests: tests/physics/heat.cpp (cooling to 0 K: 1/T^3 grows linearly).
+/// Tests: tests/physics/heat_modules.cpp (cooling to 0 K: 1/T^3 grows linearly).
 /// Source: Stefan and Boltzmann's law.
 /// Valid:  grey particles without mutual radiation, small compared with their surroundings.
 /// Units:  SI.
@@ -171,7 +171,7 @@ concept HeatedByFluid = requires(const P& part, const Seen& p, const HeatedFluid
 /// Valid:  as its parts.
 /// Units:  SI.
 /// Errors: InputError of its parts.
-/// Tests:  tests/physics/heat.cpp, tests/coupling/heat_simulation.cpp.
+/// Tests:  tests/physics/heat_modules.cpp, tests/coupling/heat_simulation.cpp.
 template <class Base, class... Parts>
 struct Heat : Base {
   std::tuple<Parts...> parts;
