@@ -246,6 +246,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void advance(bool observed);
   void forces(bool observed, std::size_t present);
   void finish_step();
+  void renew_lists();
   std::size_t known(std::size_t k) const {
     if (k >= rows()) [[unlikely]]
       detail::refuse_row(k, rows());
@@ -311,6 +312,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   std::string tips_at(double speed) const;
   double expected_speed() const;
   void share_scene();
+  void measure_scene();
   std::optional<detail::ShortestContact> shortest_contact(double speed) const;
   double longest_travel_step(double speed) const;
   bool is_step_too_long() const;

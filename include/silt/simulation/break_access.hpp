@@ -12,6 +12,7 @@
 #include <silt/breakage/fragment_sizes.hpp>
 #include <silt/breakage/smallest_cell.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/quaternion.hpp>
 #include <silt/engine/population/openings.hpp>
 #include <silt/engine/stages/break_stage.hpp>
 
@@ -171,12 +172,7 @@ class BreakAccess {
 
   void prepare_breakage() {
     auto& s = sim();
-    if constexpr (Sim::has_ranks) {
-      require(!follows_sizes(),
-              "BreakageRules.step = SmallestLiving does not go with Ranks so far; take "
-              "SmallestPossible, or set Simulation::time_step");
-      s.breaks_.some_due = true;
-    }
+    if constexpr (Sim::has_ranks) s.breaks_.some_due = true;
     using Law = typename Sim::ContactsType::Law;
     using Policy = typename Sim::Composition::Breaking;
     // Throws if the load requires a value that the law, or the kind of breakage, does not provide.
@@ -275,23 +271,43 @@ class BreakAccess {
     return sim().engine_.modules().template of<typename Sim::Composition::Breaking>()[k];
   }
 
-  /// A breaking particle of any rank; all ranks have the same list of them.
+  /// A breaking particle of any rank; all ranks have the same list of them, to the bit.
   struct BreakingParticle {
     DueBreak due;
     Vec3d centre_, velocity_, angular_velocity_;
-    double radius_, mass_, volume, strength, generation;
-    std::uint64_t material_;
+    Quaternion principal_axes_;
+    double radius_, scale_, mass_, volume, strength, generation;
+    std::uint64_t material_, form_;
     Vec3d centre() const { return centre_; }
     Vec3d velocity() const { return velocity_; }
     Vec3d angular_velocity() const { return angular_velocity_; }
+    Quaternion principal_axes() const { return principal_axes_; }
     double radius() const { return radius_; }
+    double scale() const { return scale_; }
     double mass() const { return mass_; }
     std::size_t material() const { return material_; }
+    std::size_t form() const { return form_; }
   };
+  /// What all ranks know as particles break: their ids, sorted, and the forms in use.
+  struct OfRanks {
+    std::vector<ParticleId> gone;
+    std::vector<bool> forms;
+  };
+  BreakingParticle breaking_at(const DueBreak& due, std::size_t k) const {
+    const auto& e = sim().engine_;
+    const auto p = e.owner(k);
+    const auto& f = own_fields(k);
+    return {due,          p.centre(),   p.velocity(), p.angular_velocity(), p.principal_axes(),
+            p.radius(),   p.scale(),    p.mass(),     e.volume_of(k),       f.strength,
+            f.generation, p.material(), p.form()};
+  }
   /// The same with several ranks: every rank breaks the particles of all ranks, in the order of
-  /// ids, and keeps its own fragments. Ids, random numbers and dust are thus those of one process
-  /// (collective).
-  void break_due_of_ranks();
+  /// ids, and keeps its own fragments. Ids, random numbers and dust are thus those of one process.
+  /// Returns whether the time step must be checked because of them (collective).
+  bool break_due_of_ranks();
+  /// Whether some of these fragments are smaller than the smallest living particles.
+  template <class Particles>
+  bool any_less(const Particles& fragments) const;
 
   /// Adds the fragments of the particle at place k, with their velocities, to `all`, and books dust
   /// and energy. `own`: the policy's fields of the particle.
@@ -312,20 +328,22 @@ class BreakAccess {
   /// Books the energy of the breaking particle at place k as lost. Dust takes its share of the
   /// energy, and its `potential` [J], out of the simulation.
   void book(std::size_t k, double of_dust, double potential);
-  /// [J] of all particles now: kinetic energy, potential energy in gravity and energy in bonds.
+  /// [J] of all own particles now: kinetic energy, potential energy in gravity and energy in bonds.
   double energy_of_all() const;
   /// The rows of the particles at these places, sorted.
   std::vector<std::uint32_t> rows_of(const std::vector<std::size_t>& places) const;
+  /// The rows of these particles on this rank, ghosts included, sorted.
+  std::vector<std::uint32_t> rows_of_ranks(std::span<const ParticleId> ids) const;
   /// Books the energy of the contacts of these rows, which end without a step of the ledger.
   void book_contacts(const std::vector<std::uint32_t>& rows, std::span<const ParticleId> gone);
   /// The same for contacts with particles of other ranks. If both break, the rank with the lower id
   /// books it.
   template <class Book>
   void book_contacts_with_ghosts(std::span<const ParticleId> gone, const Book& book);
-  /// Removes the parents and adds their fragments. `gone`: all breaking particles of all ranks.
+  /// Removes the parents and adds their fragments. `all`: with several ranks.
   template <class Particles>
   void take_place(const std::vector<Parent>& parents, const Particles& fragments,
-                  std::span<const ParticleId> gone = {});
+                  const OfRanks& all = {});
 
   Sim& sim() { return static_cast<Sim&>(*this); }
   const Sim& sim() const { return static_cast<const Sim&>(*this); }

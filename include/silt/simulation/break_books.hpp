@@ -33,7 +33,7 @@ double BreakAccess<Sim>::energy_of_all() const {
   double sum = 0;
   for (std::size_t k = 0; k < s.rows(); ++k)
     if (s.is_present(k) && std::isfinite(s.mass(k))) sum += s.kinetic(k).sum() + s.potential(k);
-  if constexpr (Sim::has_bonds) sum += s.bond_energy();
+  if constexpr (Sim::has_bonds) sum += s.own_bond_energy();
   return sum;
 }
 
@@ -51,6 +51,17 @@ std::vector<std::uint32_t> BreakAccess<Sim>::rows_of(const std::vector<std::size
 }
 
 template <class Sim>
+std::vector<std::uint32_t> BreakAccess<Sim>::rows_of_ranks(std::span<const ParticleId> ids) const {
+  const auto& e = sim().engine_;
+  std::vector<std::uint32_t> rows;
+  for (const ParticleId id : ids)
+    if (const std::size_t row = e.row_of(id); row < e.particles.size())
+      rows.push_back(static_cast<std::uint32_t>(row));
+  std::sort(rows.begin(), rows.end());
+  return rows;
+}
+
+template <class Sim>
 void BreakAccess<Sim>::book_contacts(const std::vector<std::uint32_t>& rows,
                                      [[maybe_unused]] std::span<const ParticleId> gone) {
   auto& s = sim();
@@ -63,8 +74,8 @@ void BreakAccess<Sim>::book_contacts(const std::vector<std::uint32_t>& rows,
     book(EndedSolidContacts(e, s.domain_, rows, s.dt_));
   } else {
     book(EndedContacts(e, s.domain_, rows, s.dt_, s.dt_));
-    if constexpr (Sim::has_ranks) book_contacts_with_ghosts(gone, book);
   }
+  if constexpr (Sim::has_ranks) book_contacts_with_ghosts(gone, book);
 }
 
 template <class Sim>
@@ -77,14 +88,23 @@ void BreakAccess<Sim>::book_contacts_with_ghosts(std::span<const ParticleId> gon
   const auto is_gone = [gone](ParticleId id) {
     return std::binary_search(gone.begin(), gone.end(), id);
   };
-  using Ended = EndedContacts<typename Sim::Engine, typename Sim::Domain>;
+  using Engine = typename Sim::Engine;
+  using Domain = typename Sim::Domain;
+  const auto ended = [&](std::size_t k) {
+    if constexpr (Sim::of_bodies) {
+      using Ended = EndedSolidContacts<Engine, Domain>;
+      return Ended(e, s.domain_, typename Ended::OfPair{k}, s.dt_);
+    } else {
+      using Ended = EndedContacts<Engine, Domain>;
+      return Ended(e, s.domain_, typename Ended::OfPair{k}, s.dt_, s.dt_);
+    }
+  };
   pairs.for_each([&](std::size_t k) {
     std::size_t own = pairs.first()[k], other = pairs.second()[k];
     if (own >= e.particles.owned()) std::swap(own, other);
     if (other < e.particles.owned()) return;
-    const ParticleId mine = e.particles.id[own], its = e.particles.id[other];
-    if (is_gone(mine) && (mine < its || !is_gone(its)))
-      book(Ended(e, s.domain_, typename Ended::OfPair{k}, s.dt_, s.dt_));
+    const ParticleId mine = e.id_of(own), its = e.id_of(other);
+    if (is_gone(mine) && (mine < its || !is_gone(its))) book(ended(k));
   });
 }
 

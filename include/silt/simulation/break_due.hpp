@@ -21,7 +21,7 @@ bool BreakAccess<Sim>::break_due() {
   const bool follows = follows_sizes();
   bool looks = follows && (!stage.sizes.known() || s.step_ % LivingSizes::look_every == 0);
   if (follows) stage.sizes.safeguards = s.engine_.safeguards;
-  if constexpr (Sim::has_ranks) return break_due_of_ranks(), looks;
+  if constexpr (Sim::has_ranks) return break_due_of_ranks() || looks;
   if (stage.due.empty()) return looks;
   std::vector<Parent> parents;
   typename Sim::ParticlesType fragments;
@@ -45,28 +45,31 @@ bool BreakAccess<Sim>::break_due() {
 }
 
 template <class Sim>
-void BreakAccess<Sim>::break_due_of_ranks() {
+bool BreakAccess<Sim>::break_due_of_ranks() {
   auto& s = sim();
   auto& stage = s.breaks_;
   auto& ranks = s.engine_.ranks;
   stage.some_born = false;
-  if (!std::exchange(stage.some_due, false) && !std::exchange(s.engine_.breaks_due, false)) return;
+  if (!std::exchange(stage.some_due, false) && !std::exchange(s.engine_.breaks_due, false))
+    return false;
   s.engine_.breaks_due = false;
   std::vector<BreakingParticle> own;
   for (const DueBreak& one : std::exchange(stage.due, {}))
-    if (const std::size_t k = s.engine_.find(one.id); k < s.rows()) {
-      const auto p = s.engine_.owner(k);
-      const auto& f = own_fields(k);
-      own.push_back({one, p.centre(), p.velocity(), p.angular_velocity(), p.radius(), p.mass(),
-                     s.engine_.volume_of(k), f.strength, f.generation, p.material()});
-    }
+    if (const std::size_t k = s.engine_.find(one.id); k < s.rows())
+      own.push_back(breaking_at(one, k));
   ranks.meet("particles that break");
   auto all = gather(ranks.comm(), std::span<const BreakingParticle>(own)).values;
-  if (all.empty()) return;
+  if (all.empty()) return false;
   std::sort(all.begin(), all.end(),
             [](const auto& a, const auto& b) { return a.due.id < b.due.id; });
-  // Ghosts at their present positions, for the correction of the ledger for contacts that end.
-  if constexpr (Sim::has_ledger) s.engine_.refresh_ghosts_now();
+  if constexpr (Sim::has_bonds)  // ends of bonds that were just made are not among the ghosts yet
+    if (std::exchange(s.bonds_.fresh, false)) s.engine_.lists.forget(), s.renew_lists();
+  // Ghosts at their present positions, for the energy of contacts and bonds that end.
+  if constexpr (Sim::has_ledger || Sim::has_bonds) s.engine_.refresh_ghosts_now();
+  OfRanks known;
+  for (const BreakingParticle& one : all) known.gone.push_back(one.due.id);
+  if constexpr (Sim::of_bodies) known.forms = used_forms(s.engine_.mover, ranks.comm());
+  bool some_less = false;
   ranks.together("particles that break", [&] {
     std::vector<Parent> parents;
     typename Sim::ParticlesType fragments;
@@ -74,17 +77,28 @@ void BreakAccess<Sim>::break_due_of_ranks() {
       const std::size_t k = s.engine_.find(one.due.id);
       break_one(one.due, one, one.volume, one, k < s.rows() ? k : nowhere, parents, fragments);
     }
-    std::vector<ParticleId> gone;
-    for (const BreakingParticle& one : all) gone.push_back(one.due.id);
+    some_less = follows_sizes() && any_less(fragments);
     if constexpr (Sim::has_ledger)
       if (s.first_kick_) s.book_.was_there(energy_of_all());
-    take_place(parents, fragments, gone);
+    take_place(parents, fragments, known);
     if constexpr (Sim::has_ledger)
       if (s.first_kick_) s.book_.was_there(-energy_of_all());
   });
   ranks.discount(all.size());
   s.engine_.lists.forget();
   stage.some_born = true;
+  return some_less;
+}
+
+template <class Sim>
+template <class Particles>
+bool BreakAccess<Sim>::any_less(const Particles& fragments) const {
+  const auto& all = fragments.all();
+  return std::any_of(all.begin(), all.end(), [this](const auto& p) {
+    if constexpr (Sim::of_bodies) return true;  // the mass of a cell does not tell how thin it is
+    const double m = mass_to_come(sim().engine_, p);
+    return sim().breaks_.sizes.is_less(p.material, 1 / (1 / m), p.radius);  // as rows have it
+  });
 }
 
 template <class Sim>
@@ -144,7 +158,7 @@ void BreakAccess<Sim>::break_one(const DueBreak& due, const Owner& p, double vol
 template <class Sim>
 template <class Particles>
 void BreakAccess<Sim>::take_place(const std::vector<Parent>& parents, const Particles& fragments,
-                                  std::span<const ParticleId> gone) {
+                                  const OfRanks& all) {
   auto& s = sim();
   auto& e = s.engine_;
   const std::size_t from = s.rows();
@@ -158,11 +172,15 @@ void BreakAccess<Sim>::take_place(const std::vector<Parent>& parents, const Part
     if (p.place != nowhere) places.push_back(p.place);
   }
   const auto rows = rows_of(places);
-  if constexpr (Sim::has_ledger) book_contacts(rows, gone);
-  if constexpr (Sim::has_bonds) s.bonds_.end_of(e, s.domain_, rows, s.first_kick_ ? 0 : s.dt_);
+  if constexpr (Sim::has_ledger) book_contacts(rows, all.gone);
+  if constexpr (Sim::has_bonds)
+    s.bonds_.end_of(e, s.domain_, Sim::has_ranks ? rows_of_ranks(all.gone) : rows,
+                    s.first_kick_ ? 0 : s.dt_);
   s.breaks_.newborn_from = Sim::of_bodies ? s.next_.part : first;
   std::vector<std::size_t> forms;
-  if constexpr (Sim::of_bodies) forms = take_in_cells(e.mover, fragments.forms());
+  if constexpr (Sim::of_bodies)
+    forms =
+        take_in_cells(e.mover, fragments.forms(), Sim::has_ranks ? all.forms : used_forms(e.mover));
   s.join(std::span<const typename Particles::Particle>(fragments.all()), forms,
          std::span<const char>(own));
   if constexpr (Sim::has_ledger)  // the fragments' energy is not lost

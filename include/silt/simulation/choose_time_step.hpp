@@ -3,6 +3,8 @@
 
 // Parts of Simulation that choose the time step.
 
+#include <array>
+
 #include <silt/simulation.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -96,15 +98,21 @@ double Simulation<Policies...>::expected_speed() const {
 /// The quantities that determine the time step, over the particles of all ranks (collective).
 template <class... Policies>
 void Simulation<Policies...>::share_scene() {
+  engine_.set_flux_coefficients(modules_, contacts_);
+  if constexpr (has_ranks && Modules::in_pairs) {
+    detail::NearOthers<Modules>::look(modules_.near, modules_.modules, engine_, domain_, time_);
+    engine_.follow_reach(modules_);
+  }
+  measure_scene();
+}
+
+/// The same in a step, with the rates that modules which act in pairs have measured last.
+template <class... Policies>
+void Simulation<Policies...>::measure_scene() {
   if constexpr (has_ranks) {
     auto& ranks = engine_.ranks;
     ranks.measure(engine_.particles);
     detail::SceneSize own;
-    engine_.set_flux_coefficients(modules_, contacts_);
-    if constexpr (Modules::in_pairs) {
-      detail::NearOthers<Modules>::look(modules_.near, modules_.modules, engine_, domain_, time_);
-      engine_.follow_reach(modules_);
-    }
     ranks.together("a look at the scene", [&] {
       for (std::size_t k = 0; k < rows(); ++k)
         if (is_present(k)) {
@@ -198,16 +206,27 @@ void Simulation<Policies...>::change_step(double dt) {
 /// Checks, in a step that stops between kick and drift, whether the time step still suits the
 /// smallest particles present; needed if the smallest or the fastest have changed. If a law's
 /// safeguard has ended a contact in this very step, which needs the whole kick, the check is
-/// postponed to the next step, a few times at most.
+/// postponed to the next step, a few times at most. With several ranks it is collective, and all
+/// choose the same step.
 template <class... Policies>
 void Simulation<Policies...>::follow_sizes() {
   if constexpr (has_breakage) {
     auto& sizes = breaks_.sizes;
-    const bool turned = engine_.safeguards != sizes.safeguards;
-    if (turned && ++sizes.postponed <= sizes.most_postponed) return sizes.forget();
+    std::array<double, 3> most{engine_.safeguards != sizes.safeguards ? 1.0 : 0.0,
+                               std::max(checked_speed_, engine_.largest_speed), 0};
+    if constexpr (has_ranks && has_bonds) most[2] = engine_.bonds_break ? 1 : 0;
+    if constexpr (has_ranks) engine_.ranks.agree("a look at particle sizes", nullptr, most);
+    if constexpr (has_ranks && has_bonds) engine_.bonds_break = most[2] > 0, break_bonds_of_ranks();
+    const double turned = most[0], fastest = most[1];
+    if (turned > 0 && ++sizes.postponed <= sizes.most_postponed) return sizes.forget();
     sizes.postponed = 0;
-    const double fastest = std::max(checked_speed_, engine_.largest_speed);
     if (!sizes.measure(engine_, contacts_.materials()) && fastest <= sizes.speed) return;
+    const std::array<double, 3> own{engine_.largest_speed, engine_.largest_share,
+                                    engine_.largest_overlap};
+    measure_scene();
+    if constexpr (has_ranks && has_bonds) this->share_bonds();
+    engine_.largest_speed = own[0], engine_.largest_share = own[1];  // keep_limits() checks its own
+    engine_.largest_overlap = own[2];
     sizes.speed = std::max(fastest, expected_speed());
     const auto shortest = shortest_contact(sizes.speed);
     if (!shortest) return;

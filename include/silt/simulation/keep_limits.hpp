@@ -33,7 +33,7 @@ void Simulation<Policies...>::keep_limits() {
     if (modules_.near.measured()) check_module_rates();
   const double way = detail::wall_travel(engine_), dt = coming_step();
   const double wall_way = way * (dt / dt_), speed = std::max(engine_.largest_speed, way / dt_);
-  if (speed > 1.05 * checked_speed_) {
+  if (speed > detail::checked_again * checked_speed_) {
     checked_speed_ = speed;
     const auto shortest = shortest_contact(checked_speed_);
     if (shortest && dt > guard.max_time_step * shortest->time) {

@@ -81,14 +81,7 @@ void Simulation<Policies...>::advance(bool observed) {
   const auto renew = [&] {
     openings_.update(engine_, *this);
     if constexpr (has_breakage) looks = this->break_due(), observed |= looks;
-    if constexpr (has_ranks)  // even if this rank has failed: its neighbours wait for the ghosts
-      engine_.refresh_ghosts(), engine_.ranks.throw_late();
-    if constexpr (has_ranks && has_bonds) {
-      detail::RankBonds at_search(bonds_, engine_);
-      engine_.renew_lists(search_, domain_, step_, dt_);
-    } else {
-      engine_.renew_lists(search_, domain_, step_, dt_);
-    }
+    renew_lists();
     if constexpr (has_breakage)
       if (has_ranks ? breaks_.some_born : !breaks_.events.empty())
         detail::leave_out_overlaps(engine_, breaks_.newborn_from);
@@ -103,18 +96,37 @@ void Simulation<Policies...>::advance(bool observed) {
   };
   if constexpr (has_ranks) {
     const bool first = first_kick_;
+    [[maybe_unused]] const double checked = checked_speed_;  // [m/s]
     engine_.together(observed ? "a step that observers see" : "a step", dt_, observed,
                      [&] { renew(), act(); });
     peak_overlap_ = std::max(peak_overlap_, engine_.largest_overlap);
+    if constexpr (has_breakage) {  // follow_sizes() starts from what one process has checked
+      const double speed = std::max(engine_.largest_speed, detail::wall_travel(engine_) / dt_);
+      checked_speed_ = speed > detail::checked_again * checked ? speed : checked;
+    }
     if constexpr (Modules::flux)
       if (engine_.fluxes().measured()) choose_flux_steps();
-    if constexpr (has_bonds) break_bonds_of_ranks();
+    if constexpr (has_bonds)
+      if (!looks) break_bonds_of_ranks();  // else follow_sizes() has done so
     engine_.push_walls(gravity, first ? first_wall_kick * dt_ : dt_, dt_, first);
     keep_rates_of_walls();
     if constexpr (has_ledger && !of_bodies)  // EndedContacts of edits
       if (observed) engine_.refresh_ghosts_now();
   } else {
     renew(), act();
+  }
+}
+
+/// Prunes or searches if the lists are no longer valid.
+template <class... Policies>
+void Simulation<Policies...>::renew_lists() {
+  if constexpr (has_ranks)  // even if this rank has failed: its neighbours wait for the ghosts
+    engine_.refresh_ghosts(), engine_.ranks.throw_late();
+  if constexpr (has_ranks && has_bonds) {
+    detail::RankBonds at_search(bonds_, engine_);
+    engine_.renew_lists(search_, domain_, step_, dt_);
+  } else {
+    engine_.renew_lists(search_, domain_, step_, dt_);
   }
 }
 
@@ -153,7 +165,7 @@ void Simulation<Policies...>::forces(bool observed, [[maybe_unused]] std::size_t
   [[maybe_unused]] double bond_power = 0;
   if constexpr (has_bonds)
     bond_power = bonds_.push(engine_, domain_, dt_, first_kick_ ? 0 : Integrator::lag * dt_);
-  if constexpr (has_bonds && has_ranks) engine_.bonds_break = bonds_.any_overloaded();
+  if constexpr (has_bonds && has_ranks) engine_.bonds_break = bonds_.any_broken();
   engine_.collect_fluxes();
   if constexpr (Modules::in_pairs) act_in_pairs();
   if constexpr (has_events) engine_.events.sort();

@@ -49,21 +49,25 @@ void Simulation<Policies...>::break_bonds_of_ranks() {
     auto& held = engine_.particles.bonds;
     std::vector<IndexPair> pairs;
     bool freed = false;
+    const auto row_of = [&](ParticleId which) {
+      return static_cast<std::uint32_t>(engine_.row_of(which));
+    };
     bonds_broken_ = bonds_.take_broken(engine_, time_, [&](const auto& bond) {
+      const auto is_there = [&](ParticleId which) {
+        return !has_breakage || which == no_particle || row_of(which) < engine_.particles.size();
+      };
+      const bool has_both = is_there(bond.a) && is_there(bond.b);
       if (bond.b == no_particle) {
         if (!held.holds(bond.a, held.id_of_wall(bond.wall)) ||
             bonds_.at_walls.exclude(bond.a, bond.wall))
           return;
         held.remove(bond.a, held.id_of_wall(bond.wall));
-        held.freed_at_walls.push_back({bond.a, bond.wall}), freed = true;
+        if (has_both) held.freed_at_walls.push_back({bond.a, bond.wall}), freed = true;
         return;
       }
       if (!held.holds(bond.a, bond.b)) return;  // bonds of other ranks
       held.remove(bond.a, bond.b);
-      const auto row_of = [&](ParticleId which) {
-        return static_cast<std::uint32_t>(engine_.row_of(which));
-      };
-      pairs.push_back({row_of(bond.a), row_of(bond.b)});
+      if (has_both) pairs.push_back({row_of(bond.a), row_of(bond.b)});
     });
     for ([[maybe_unused]] const BondBreak& bond : bonds_broken_)
       if constexpr (has_ledger) book_.bond_broken(bond.energy);

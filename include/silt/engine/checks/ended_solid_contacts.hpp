@@ -32,7 +32,7 @@ class EndedSolidContacts {
   double normal = 0;                                 // [J] in normal springs
   ContactEnergy<double> work = no_energy<double>();  // [J] of the other forces
 
-  /// For the contacts of these rows (sorted).
+  /// For the contacts of these rows (sorted), except those with ghosts.
   EndedSolidContacts(const EngineType& e, const Domain& domain, std::span<const std::uint32_t> rows,
                      double dt)
       : e_(e), dt_(dt) {
@@ -42,8 +42,9 @@ class EndedSolidContacts {
     const auto& pairs = e.lists.pairs;
     pairs.for_each([&](std::size_t k) {
       const std::uint32_t i = pairs.first()[k], j = pairs.second()[k];
-      if (!is_gone(i) && !is_gone(j)) return;
-      if (pairs.history(C::memory_radius, k) > 0 && is_there(i) && is_there(j)) add_pair(k, domain);
+      if constexpr (EngineType::of_ranks)
+        if (std::max(i, j) >= e.particles.owned()) return;
+      if (is_gone(i) || is_gone(j)) add_known_pair(k, domain);
     });
     const auto all = e.lists.walls.candidates();
     for (std::size_t k = 0, next = 1; k < all.size(); k = next++) {
@@ -54,6 +55,15 @@ class EndedSolidContacts {
           (e.particles.motion[c.particle].inv_m > 0 || e.walls[c.wall].is_driven()))
         add_wall(all.subspan(k, next - k));
     }
+  }
+
+  /// Of one pair.
+  struct OfPair {
+    std::size_t number;
+  };
+  EndedSolidContacts(const EngineType& e, const Domain& domain, OfPair pair, double dt)
+      : e_(e), dt_(dt) {
+    add_known_pair(pair.number, domain);
   }
 
  private:
@@ -68,6 +78,12 @@ class EndedSolidContacts {
       return other;
   }
 
+  void add_known_pair(std::size_t k, const Domain& domain) {
+    const auto& pairs = e_.lists.pairs;
+    if (pairs.history(C::memory_radius, k) > 0 && is_there(pairs.first()[k]) &&
+        is_there(pairs.second()[k]))
+      add_pair(k, domain);
+  }
   void add_pair(std::size_t k, [[maybe_unused]] const Domain& domain) {
     const auto& pairs = e_.lists.pairs;
     const auto& rows = e_.mover.convex_rows;

@@ -71,6 +71,10 @@ inline void check_pose(std::span<const Wall> walls, std::size_t number, std::int
   if (std::abs(length2 - 1) > 1e-6) stop("a rotation whose quaternion is not of length 1");
 }
 
+/// [-] The time step is checked against its limit again where the largest speed has grown by this
+/// factor.
+inline constexpr double checked_again = 1.05;
+
 /// Displacement per step [m] of the points of a moving wall where particles may be near.
 template <class EngineType>
 double travel_of(const EngineType& e, const Wall& w) {

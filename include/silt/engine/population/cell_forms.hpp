@@ -3,16 +3,17 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
-#include <silt/core/target.hpp>
+#include <silt/parallel/comm.hpp>
 
 /// The forms of bodies: first those that users added, which are permanent, then those of cells from
 /// broken polyhedra (BodyMotion::cells). Each cell form belongs to one fragment; when no body has
 /// it any more it is reused for the next cell, so that their number is the largest number of
-/// fragments at one time.
-/// Tests: tests/breakage/cell_forms.cpp.
+/// fragments at one time. All ranks have the same forms, those of each other's cells included.
+/// Tests: tests/breakage/cell_forms.cpp, tests/parallel/breaking_stones.cpp.
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -32,13 +33,32 @@ void add_form(Mover& mover, const Form& form) {
     if (b.form >= number) ++b.form;
 }
 
-/// Adds the forms of new cells, which are all different: first in the places that no body uses,
-/// lowest first, then at the end. Returns the number of each.
-template <class Mover, class Form>
-std::vector<std::size_t> take_in_cells(Mover& mover, const std::vector<Form>& cells) {
-  const std::size_t first = added_forms(mover);
+/// For each form whether a body has it, also one that has left but is still in the table.
+template <class Mover>
+std::vector<bool> used_forms(const Mover& mover) {
   std::vector<bool> used(mover.forms.size(), false);
   for (const auto& b : mover.bodies) used[b.form] = true;
+  return used;
+}
+/// The same of the bodies of all ranks (collective).
+template <class Mover, class Comm>
+std::vector<bool> used_forms(const Mover& mover, const Comm& comm) {
+  std::vector<bool> used = used_forms(mover);
+  std::vector<std::uint64_t> bits(used.size() / 64 + 1, 0);
+  for (std::size_t k = 0; k < used.size(); ++k) bits[k / 64] |= std::uint64_t{used[k]} << (k % 64);
+  const auto all = gather(comm, std::span<const std::uint64_t>(bits));
+  for (int r = 0; r < all.ranks(); ++r)
+    for (std::size_t k = 0; k < used.size(); ++k)
+      if (all[r][k / 64] >> (k % 64) & 1) used[k] = true;
+  return used;
+}
+
+/// Adds the forms of new cells, which are all different: first in the places that no body uses,
+/// lowest first, then at the end. Returns the number of each. `used`: used_forms().
+template <class Mover, class Form>
+std::vector<std::size_t> take_in_cells(Mover& mover, const std::vector<Form>& cells,
+                                       const std::vector<bool>& used) {
+  const std::size_t first = added_forms(mover);
   std::size_t end = used.size();
   while (end > first && !used[end - 1]) --end;
   mover.forms.erase(mover.forms.begin() + static_cast<std::ptrdiff_t>(end), mover.forms.end());

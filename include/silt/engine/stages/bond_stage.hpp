@@ -92,7 +92,8 @@ class BondStage {
     return power;
   }
   /// Removes the bonds of particles that leave before the next force computation. `rows`: rows of
-  /// these particles, sorted; `dt` [s]: the last time step, 0 before the first one.
+  /// these particles, sorted, ghosts included; `dt` [s]: the last time step, 0 before the first
+  /// one.
   template <class Engine>
   void end_of(const Engine& e, const Domain& domain, std::span<const std::uint32_t> rows,
               double dt) {
@@ -102,8 +103,11 @@ class BondStage {
     };
     std::vector<Ending> ending;
     list.for_each([&](std::size_t k) {
-      if (goes(list.first()[k]) || goes(list.second()[k]))
+      if (!goes(list.first()[k]) && !goes(list.second()[k])) return;
+      if (tells(e, k))
         ending.push_back({seen(e, domain, k, dt, BondEnds::BeforeForces), k});
+      else
+        list.remove(k);
     });
     for (std::size_t k = 0; k < at_walls.all.size(); ++k)
       if (goes(e.find(at_walls.all[k].i)))
@@ -122,14 +126,15 @@ class BondStage {
     broken += gone.size();
     return gone;
   }
-  bool any_overloaded() const { return !overloaded_.empty(); }
+  bool any_broken() const { return !overloaded_.empty() || !ended_.empty(); }
   /// The same with several ranks (collective): each rank removes its copies of the bonds that any
   /// rank has reported, and returns those whose first end it owns; told(bond) is called for all.
   template <class Engine, class Told>
   std::vector<BondBreak> take_broken(Engine& e, double time, const Told& told) {
     std::vector<BrokenBond> own;
-    for (const Ending& one : overloaded_)
-      own.push_back({one.what.number, one.what.a, one.what.b, one.what.wall});
+    const auto tell = [&](const BondSeen& b) { own.push_back({b.number, b.a, b.b, b.wall}); };
+    for (const Ending& one : overloaded_) tell(one.what);
+    for (const BondSeen& one : ended_) tell(one);
     auto all = silt::gather(e.ranks.comm(), std::span<const BrokenBond>(own)).values;
     std::sort(all.begin(), all.end(),
               [](const BrokenBond& a, const BrokenBond& b) { return a.number < b.number; });

@@ -17,7 +17,7 @@ namespace silt::inline SILT_TARGET::detail {
 /// smallest present at the last look. They are looked at when a smaller particle is born, so that
 /// the step becomes shorter before that particle acts, and every hundred steps, so that the step
 /// can grow again.
-/// Tests: tests/breakage/step.cpp.
+/// Tests: tests/breakage/step.cpp, tests/parallel/break_steps.cpp.
 class LivingSizes {
  public:
   static constexpr std::int64_t look_every = 100;  // [steps]
@@ -34,7 +34,7 @@ class LivingSizes {
   void forget() { least_.clear(); }
 
   /// Looks at all particles; their smallest radius is exact afterwards. Returns whether the
-  /// smallest sizes have changed.
+  /// smallest sizes have changed. With several ranks, of all (collective).
   template <class Engine>
   bool measure(Engine& e, std::size_t materials) {
     const auto before = std::exchange(least_, std::vector<Least>(materials));
@@ -45,6 +45,7 @@ class LivingSizes {
       smallest = std::min(smallest, p.radius());
       if (p.inverse_mass() > 0) least_[p.material()].include(Least::of(p.mass(), p.radius()));
     }
+    if constexpr (Engine::of_ranks) smallest = share(e, smallest);
     if constexpr (!Engine::of_bodies)
       if (std::isfinite(smallest)) e.particles.smallest_radius = smallest;
     return least_ != before;
@@ -53,8 +54,11 @@ class LivingSizes {
   template <class Engine>
   bool is_less(const Engine& e, std::size_t k) const {
     const auto p = e.owner(k);
-    if (p.material() >= least_.size()) return true;
-    const Least &all = least_[p.material()], one = Least::of(p.mass(), p.radius());
+    return is_less(p.material(), p.mass(), p.radius());
+  }
+  bool is_less(std::size_t material, double mass, double radius) const {
+    if (material >= least_.size()) return true;
+    const Least &all = least_[material], one = Least::of(mass, radius);
     return one.mass < all.mass || one.hertz < all.hertz || one.radius < all.radius;
   }
 
@@ -88,6 +92,17 @@ class LivingSizes {
       radius = std::min(radius, one.radius);
     }
   };
+  /// Makes the smallest sizes those of all ranks; returns the smallest `radius` [m] of any.
+  template <class Engine>
+  double share(const Engine& e, double radius) {
+    std::vector<double> most{-radius};
+    for (const Least& l : least_) most.insert(most.end(), {-l.mass, -l.hertz, -l.radius});
+    e.ranks.max_of(most);
+    for (std::size_t k = 0; k < least_.size(); ++k)
+      least_[k] = {-most[3 * k + 1], -most[3 * k + 2], -most[3 * k + 3]};
+    return -most[0];
+  }
+
   std::vector<Least> least_;  // one per material
 };
 

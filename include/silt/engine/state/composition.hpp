@@ -143,12 +143,6 @@ struct Composition {
   static_assert(!has_ranks || std::is_same_v<Fluid, NoFluid> || !FluidTraits<Fluid>::active,
                 "Ranks cannot be coupled to a fluid so far: each rank would need the flow of all; "
                 "leave one of them out");
-  static_assert(!has_ranks || !has_breakage || !of_bodies,
-                "Ranks does not go with polyhedra that break so far, as their cells are forms of "
-                "one process; take spheres, or leave Breakage or Ranks out");
-  static_assert(!has_ranks || !has_breakage || !has_bonds,
-                "Ranks does not go with Bonds and Breakage in one simulation so far; leave one of "
-                "them out");
   static_assert(!has_ranks || !deforms<Domain>,
                 "Ranks does not go with a DeformingBox so far; take PeriodicBox");
   static_assert(!has_surfaces || std::is_same_v<Scalar, double>,
