@@ -39,9 +39,6 @@ namespace ranks_with_breakage {
 namespace ranks_with_far_forces {
 #include "refused/ranks_with_far_forces.cpp"
 }
-namespace ranks_with_bonds_removed {
-#include "refused/ranks_with_bonds_removed.cpp"
-}
 namespace ranks_with_fluid {
 #include "refused/ranks_with_fluid.cpp"
 }
