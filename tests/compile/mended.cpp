@@ -33,9 +33,6 @@ namespace bond_without_policy {
 namespace break_without_policy {
 #include "refused/break_without_policy.cpp"
 }
-namespace ranks_with_bonds_removed {
-#include "refused/ranks_with_bonds_removed.cpp"
-}
 namespace ranks_with_fluid {
 #include "refused/ranks_with_fluid.cpp"
 }

@@ -108,9 +108,14 @@ End rods(Policies... policies) {
   sim.add_wall(silt::Plane{{0.11, 0, 0}, {-1, 0, 0}}, glass);
   silt::add_bonded(sim, all);
   double broken = 0, ended = 0, lost = 0;
-  sim.run(0.012, silt::on_bond_break([&](const silt::BondBreak&) { broken += 1; }),
-          silt::on_contact_end(
-              [&](const silt::ContactEvent& e) { ended += 1, lost += e.lost_energy; }));
+  sim.run(
+      0.012, silt::on_bond_break([&](const silt::BondBreak&) { broken += 1; }),
+      silt::on_contact_end([&](const silt::ContactEvent& e) { ended += 1, lost += e.lost_energy; }),
+      silt::at(silt::every(0.004), [](auto& s) {
+        if (s.time() < 0.002) return;
+        for (std::size_t k = 0; k < s.rows(); ++k)
+          if (s.is_present(k) && s.id(k) % 17 == (s.time() < 0.006 ? 5 : 6)) s.remove(s.id(k));
+      }));
   broken = sim.sum_over_ranks(broken), ended = sim.sum_over_ranks(ended),
   lost = sim.sum_over_ranks(lost);
   expect(broken > 3 && ended > 50,

@@ -4,79 +4,35 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <fstream>
-#include <map>
 #include <mutex>
 #include <string>
-#include <tuple>
 #include <vector>
 
-#include <silt/bond/build.hpp>
-#include <silt/bond/parallel_bond.hpp>
-#include <silt/contact/hertz_mindlin.hpp>
 #include <silt/io/bond_observers.hpp>
 #include <silt/io/checkpoint.hpp>
 
-#include "rank_scenes.hpp"
+#include "bond_scenes.hpp"
 
 namespace parallel_bonds_test {
 
 namespace {
 
 using silt::Vec3d;
+using silt_test::beam;
+using silt_test::brittle;
+using silt_test::cubes;
+using silt_test::glass;
 using silt_test::Seen;
-using silt_test::WanderingSlabs;
+using silt_test::tough;
+using Broken = silt_test::BrokenBonds;
 using Law = silt::HertzMindlin;
-using Ranks = silt::Ranks<silt::ThreadComm, WanderingSlabs>;
+constexpr double R = silt_test::bonded_radius;  // [m]
 
-const Law::Material glass{
-    .youngs_modulus = 5e6, .poisson_ratio = 0.3, .restitution = 0.6, .friction = 0.4};
-const double R = 2e-3;  // [m]
-const silt::ParallelBond tough{.youngs_modulus = 2e7, .damping = 0.05};
-/// Breaks where spheres hit the floor.
-const silt::ParallelBond brittle{.youngs_modulus = 2e7,
-                                 .tensile_strength = 2e4,
-                                 .shear_strength = 2e4,
-                                 .damping = 0.05,
-                                 .weibull_modulus = 6};
+auto ranks(const silt::ThreadComm& comm) { return silt_test::bond_ranks(comm); }
 
-/// Planes that move at each search.
-Ranks ranks(const silt::ThreadComm& comm) {
-  return Ranks{comm, {0, 0.1}, {.above = 1, .each = 0, .per_moved = 0}};
-}
-/// A few cubes of 3 x 3 x 3 spheres above each other in a row, bonded in each, that fall.
-inline silt::BondedSpheres cubes(int count) {
-  silt::BondedSpheres all;
-  silt::Random random(5);
-  for (int c = 0; c < count; ++c) {
-    const std::size_t first = all.spheres.size();
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        for (int k = 0; k < 3; ++k) {
-          const auto at = [&](int n) { return 2 * R * n + 1e-5 * random.uniform(); };
-          silt::Particles<silt::Sphere>::Particle p;
-          p.position = {0.004 + 0.0135 * c + at(i), 0.004 + at(j),
-                        0.0035 + 0.0005 * (c % 3) + at(k)};
-          p.radius = R, p.density = 2500, p.velocity = {0.5, 0.1, -1.5};
-          all.spheres.push_back(p);
-        }
-    for (std::size_t a = first; a < all.spheres.size(); ++a)
-      for (std::size_t b = a + 1; b < all.spheres.size(); ++b)
-        if (norm(all.spheres[a].position - all.spheres[b].position) < 2.2 * R)
-          all.bonds.push_back({a, b});
-  }
-  return all;
-}
-
-/// What breaks, put together by the ranks.
-struct Broken {
-  std::vector<std::tuple<std::uint64_t, silt::ParticleId, silt::ParticleId, double, double>> all;
-  std::mutex mutex;
-  void sort() { std::sort(all.begin(), all.end()); }
-};
 struct Books {
   double bonds, broken, energy, fragments, largest;
 };
@@ -179,22 +135,6 @@ TEST_CASE("ranks: broken bonds in mixed precision, and twice the same bits") {
   CHECK(first.off(one)[0] < 1e-7);
 }
 
-/// A beam of spheres along x, bonded to a wall at its root, that bends under its weight. Its bonds
-/// are longer than contacts reach.
-template <class... Policies>
-auto beam(Policies... policies) {
-  silt::Particles<silt::Sphere> spheres;
-  for (int k = 0; k < 24; ++k)
-    spheres.add({.position = {0.003 + 0.004 * k, 0, 0}, .radius = 1e-3, .density = 2500});
-  silt::Simulation sim{std::move(spheres), silt::Contacts<Law>{glass}, silt::Bonds{tough},
-                       silt::EnergyLedger{}, std::move(policies)...};
-  sim.gravity = {0, 0, -9.81};
-  sim.threads = 1;
-  sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, glass, {.name = "root"});
-  sim.bond_to_wall(0, "root", {0, 0, 0}, silt::WallContact::Excluded);
-  CHECK(silt::bond_near(sim, 0.0021) == 23);
-  return sim;
-}
 TEST_CASE("ranks: a beam on a wall, with bonds longer than contacts; its books of energy") {
   Seen one, many;
   auto alone = beam();

@@ -36,7 +36,7 @@ struct Told {
   std::mutex mutex;
   void sort() {
     const auto key = [](const ContactEvent& e) {
-      return std::tuple(e.a, e.b, e.wall, e.begin, e.end);
+      return std::tuple(e.a, e.b, e.wall, e.begin, e.end, e.point.x);
     };
     for (auto* all : {&begun, &ended})
       std::sort(all->begin(), all->end(),
@@ -136,6 +136,108 @@ TEST_CASE("ranks: contacts of bodies are told once") {
   });
   many.sort();
   check_same(many.ended, one.ended, 1e-8);
+}
+
+/// Removes the own particles for which goes(id) holds, and counts their contacts with ghosts.
+template <class Sim, class Goes>
+void thin_out(Sim& sim, const Goes& goes, std::atomic<int>& across) {
+  const auto& e = sim.engine();
+  if constexpr (Sim::has_ranks)
+    e.lists.pairs.for_each([&](std::size_t k) {
+      const std::uint32_t a = e.lists.pairs.first()[k], b = e.lists.pairs.second()[k];
+      across += e.lists.pairs.remembers(k) && std::max(a, b) >= e.particles.owned() &&
+                goes(e.id_of(std::min(a, b)));
+    });
+  std::vector<silt::ParticleId> gone;
+  for (std::size_t k = 0; k < sim.rows(); ++k)
+    if (sim.is_present(k) && goes(sim.id(k))) gone.push_back(sim.id(k));
+  for (const auto id : gone) sim.remove(id);
+}
+/// What is told while particles are removed by an observer and between two runs; goes(id, call):
+/// when each goes.
+template <class Sim, class Goes>
+void watch_thinned(Sim& sim, Told& told, double half, const Goes& goes, std::atomic<int>& across) {
+  std::vector<ContactEvent> begun, ended;
+  const auto begins = silt::on_contact_begin([&](const ContactEvent& e) { begun.push_back(e); });
+  const auto ends = silt::on_contact_end([&](const ContactEvent& e) { ended.push_back(e); });
+  int call = 0;
+  auto edit = silt::at(silt::every(half / 3), [&](auto& s) {
+    ++call;
+    thin_out(
+        s, [&](silt::ParticleId id) { return goes(id, call); }, across);
+    if (call == 5) s.remove(9);  // every rank asks for it
+  });
+  sim.run(half, begins, ends, edit);
+  thin_out(
+      sim, [&](silt::ParticleId id) { return goes(id, 6); }, across);
+  sim.run(half, begins, ends, edit);
+  const std::lock_guard lock(told.mutex);
+  told.begun.insert(told.begun.end(), begun.begin(), begun.end());
+  told.ended.insert(told.ended.end(), ended.begin(), ended.end());
+}
+
+// Catches: an end that is told of a removed sphere, by its rank or that of its partner; contacts of
+// its partners that begin anew, or whose records are lost, in the search that follows.
+TEST_CASE("ranks: contacts of removed spheres end untold, those of their partners go on") {
+  const auto run = [](Told& told, std::atomic<int>& across, auto... policies) {
+    auto sim =
+        silt_test::trough(silt_test::cloud(12, 4, 3, 0.0074), silt::ContactEvents{}, policies...);
+    sim.time_step = 2e-5, sim.gravity = {-20, 0, -40};
+    const auto goes = [](silt::ParticleId id, int call) {
+      const unsigned rest = id % 9;
+      return (call == 2 && (rest == 1 || rest == 2)) || (call == 3 && rest == 4) ||
+             (call == 5 && rest == 3) || (call == 6 && rest == 7);
+    };
+    watch_thinned(sim, told, 0.024, goes, across);
+    CHECK(sim.size() == 63);
+  };
+  Told one;
+  std::atomic<int> none{0};
+  run(one, none), one.sort();
+  CHECK(one.ended.size() > 200);
+  for (const int n : {1, 2, 3, 5}) {
+    CAPTURE(n);
+    Told many;
+    std::atomic<int> across{0};
+    silt::run_on_ranks(n, [&](const silt::ThreadComm& comm) { run(many, across, ranks(comm)); });
+    many.sort();
+    check_same(many.ended, one.ended, 1e-8);
+    check_same(many.begun, one.begun, 1e-8);
+    if (n > 1) CHECK(across.load() > 0);
+  }
+}
+TEST_CASE("ranks: contacts of removed bodies end untold, those of their partners go on") {
+  const auto forms = [](auto& all) {
+    all.add_form(silt::MultiSphere{{{{-0.4e-3, 0, 0}, 1.8e-3}, {{0.4e-3, 0, 0}, 1.8e-3}}});
+    return std::size_t{1};
+  };
+  const auto run = [&](Told& told, std::atomic<int>& across, auto... policies) {
+    auto sim = silt_test::slide<silt::MultiSphere>(forms, silt::ContactEvents{}, policies...);
+    sim.time_step = 1e-5, sim.gravity = {-30, 0, -30};
+    sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, silt_test::stone);
+    const auto goes = [](silt::ParticleId id, int call) {  // every second one along the slide
+      const bool even = id / 4 % 2 == 0, low = id % 2 == 0;
+      return (call == 3 && even && low) || (call == 6 && !even && !low) ||
+             (call == 5 && !even && low);
+    };
+    watch_thinned(sim, told, 0.024, goes, across);
+    CHECK(sim.size() == 24 - 3 * 6 - 1);
+  };
+  Told one;
+  std::atomic<int> none{0};
+  run(one, none), one.sort();
+  CHECK(one.ended.size() > 20);
+  for (const int n : {2, 3}) {
+    Told many;
+    std::atomic<int> across{0};
+    silt::run_on_ranks(n, [&](const silt::ThreadComm& comm) {
+      run(many, across, silt_test::wandering(comm, silt_test::slide_length));
+    });
+    many.sort();
+    check_same(many.ended, one.ended, 1e-8);
+    check_same(many.begun, one.begun, 1e-8);
+    CHECK(across.load() > 0);
+  }
 }
 
 // The other ranks do not know that one has failed, and do not wait for it in between.

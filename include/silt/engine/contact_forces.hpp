@@ -158,13 +158,14 @@ template <class Composition>
 std::size_t Engine<Composition>::touching_pairs(const Domain& domain) const {
   std::size_t count = 0;
   lists.pairs.for_each([&](std::size_t k) {
+    const std::uint32_t a = lists.pairs.first()[k], b = lists.pairs.second()[k];
     if constexpr (of_ranks)
-      if (lists.pairs.first()[k] >= particles.owned()) return;
+      if (a >= particles.owned()) return;
     if constexpr (convex)
-      count += lists.pairs.history(ContactsType::memory_radius, k) > 0;
+      count += lists.pairs.history(ContactsType::memory_radius, k) > 0 && !particles.is_parked(a) &&
+               !particles.is_parked(b);
     else
-      count += within_reach(particles.position[lists.pairs.first()[k]],
-                            particles.position[lists.pairs.second()[k]], 0, domain);
+      count += within_reach(particles.position[a], particles.position[b], 0, domain);
   });
   return count;
 }

@@ -24,6 +24,7 @@ void Engine<Composition>::join_own(std::size_t more) requires(Composition::has_r
               order.end() - static_cast<std::ptrdiff_t>(more), order.end());
   if (more > 0 && ghosts > 0) particles.reorder(order, *team_);
   lists.pairs.make_way(own, more, particles.size()), ranks.make_way(more);
+  record.make_way(own, more);
   if constexpr (of_bodies)
     if (more > 0 && ghosts > 0) {
       mover.follow(particles), follow_bodies(ranks.neighbours, particles);

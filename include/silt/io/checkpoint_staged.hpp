@@ -138,6 +138,7 @@ class Checkpoint<Sim>::Staged {
     if constexpr (chooses_search) detail::finder_of(sim.search_).keep({choice_[0], choice_[1]});
     if constexpr (Sim::has_ranks) {
       block_.put(e.ranks);
+      sim.ranks_scene_.edits = {};  // of the state before
       if constexpr (Sim::of_bodies)
         e.mover.ghosts = e.mover.bodies.size() - block_.owners,
         follow_bodies(e.ranks.neighbours, e.particles);

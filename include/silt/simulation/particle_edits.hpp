@@ -28,8 +28,8 @@ namespace silt::inline SILT_TARGET::detail {
 /// With several ranks a call acts on the rank that owns the particle and does nothing on others:
 /// all ranks may make the call, or only the owner, as in a loop over its own rows. Other ranks are
 /// informed when the observers of the step, or the calls before a run, have ended (share_edits); an
-/// id that no rank has is then refused. Changed sizes and materials, and removals, force a search
-/// in the next step in this case. Tests: tests/parallel/edits.cpp.
+/// id that no rank has is then refused. Changed sizes, materials and forms, and removals, force a
+/// search in the next step in this case. Tests: tests/parallel/edits.cpp, removals.cpp, forms.cpp.
 template <class Sim>
 class ParticleEdits {
  public:
@@ -38,9 +38,6 @@ class ParticleEdits {
   /// springs) and `openings` (normal springs), to first order in the step; for bodies it stays in
   /// residual().
   void remove(ParticleId id) {
-    static_assert(!Sim::has_ranks || !(Sim::has_bonds || Sim::has_events),
-                  "remove() on many ranks does not go with Bonds or ContactEvents so far: let an "
-                  "outlet take the particle, or leave one of them out");
     const std::size_t k = place_of(id, "remove");
     if (is_elsewhere(k)) return;
     sim().book_leaving(k);
@@ -131,31 +128,14 @@ class ParticleEdits {
   /// energy of its contacts as in remove().
   void set_form(ParticleId id, const WhichForm& which) {
     static_assert(Sim::of_bodies, "set_form: spheres have no form; set_radius changes their size");
-    require(!Sim::has_ranks,
-            "Simulation::set_form: bodies cannot be given another form on many ranks so far; leave "
-            "Ranks out, or remove the body and add one of the other form");
-    const std::size_t k = place_of(id, "set_form");
     require(which.by_name() || which.number() < sim().forms().size(), "Simulation::set_form: form ",
             which.number(), " is none of the ", sim().forms().size(), " forms of the simulation");
     const std::size_t form = sim().form_number(which);
-    if (form == sim().form(k)) return;
+    const std::size_t k = place_of(id, "set_form");
+    if (is_elsewhere(k) || form == sim().form(k)) return;
     const double before = energy_of(k), mass = sim().mass(k);
-    auto& e = sim().engine_;
-    const detail::Body old = e.mover.bodies[k];
-    const double volume = e.mover.forms[old.form].mass.volume * old.scale * old.scale * old.scale;
-    typename Sim::ParticlesType::Particle p{};
-    p.form = form, p.position = old.centre, p.orientation = sim().orientation(k);
-    p.radius = old.radius, p.density = old.inv_m > 0 ? 1 / (old.inv_m * volume) : 1;
-    p.velocity = old.velocity, p.angular_velocity = old.angular_velocity(old.momentum);
-    p.material = sim().material(k), p.fixed = old.inv_m == 0;
-
-    const std::size_t now = e.owners(), first_row = e.particles.size();
-    NextIds same{id, sim().next_.part};
-    take_in(e, std::span<const decltype(p)>(&p, 1), {}, sim().kicked_, same);
-    sim().next_.part = same.part;
-    e.copy_columns(k, now);
-    e.join_lists(sim().domain_, sim().dt_, first_row);
-    e.remove(k, sim().domain_, sim().dt_);
+    replace_body(k, form);
+    const std::size_t now = sim().rows() - 1;
     if constexpr (Sim::has_ledger) sim().book_.bring_in(energy_of(now) - before);
     feed_change(now, mass);
     sim().scene_changed_ = true, sim().scene_step_ = sim().step_, sim().checked_speed_ = 0;
@@ -179,14 +159,16 @@ class ParticleEdits {
     auto& edits = s.ranks_scene_.edits;
     const auto any = e.ranks.together(call, work, [&] {
       const auto flag = [](bool is) { return is ? 1.0 : 0.0; };
-      return std::array<double, 5>{flag(!edits.missed.empty()), flag(edits.rows),
+      return std::array<double, 6>{flag(!edits.missed.empty()),  flag(edits.rows),
                                    flag(!edits.removed.empty()), flag(s.scene_changed_),
-                                   flag(s.checked_speed_ == 0)};
+                                   flag(s.checked_speed_ == 0),  flag(!edits.reshaped.empty())};
     });
     if (any[3] > 0) s.scene_changed_ = true;
     if (any[4] > 0) s.checked_speed_ = 0;
     if (any[0] > 0) refuse_unknown(edits);
     if (any[2] > 0) remove_from_others(edits);
+    if constexpr (Sim::of_bodies)
+      if (any[5] > 0) reshape_on_others(edits);
     if (any[1] > 0) {
       e.particles.measure(), e.ranks.measure(e.particles);
       if (e.coefficients.materials < s.contacts_.materials()) e.set_coefficients(s.contacts_);
@@ -225,6 +207,36 @@ class ParticleEdits {
   void feed_change([[maybe_unused]] std::size_t k, [[maybe_unused]] double before) {
     if constexpr (Sim::has_breakage)
       if (std::isfinite(before)) sim().breaks_.fed.add(sim().mass(k) - before);
+  }
+  /// Puts a body of another form, the last one of rows(), in the place of body k.
+  void replace_body(std::size_t k, std::size_t form) {
+    auto& e = sim().engine_;
+    const Body old = e.mover.bodies[k];
+    const double volume = e.mover.forms[old.form].mass.volume * old.scale * old.scale * old.scale;
+    typename Sim::ParticlesType::Particle p{};
+    p.form = form, p.position = old.centre, p.orientation = sim().orientation(k);
+    p.radius = old.radius, p.density = old.inv_m > 0 ? 1 / (old.inv_m * volume) : 1;
+    p.velocity = old.velocity, p.angular_velocity = old.angular_velocity(old.momentum);
+    p.material = sim().material(k), p.fixed = old.inv_m == 0;
+
+    const std::size_t behind = e.mover.bodies.size(), first_row = e.particles.size();
+    NextIds ids{old.id, sim().next_.part};
+    if constexpr (Sim::has_ranks) {
+      ids.part = sim().ranks_scene_.edits.next_part;
+      if (sim().kicked_) e.mover.synchronous.resize(behind);
+    }
+    take_in(e, std::span<const decltype(p)>(&p, 1), {}, sim().kicked_, ids);
+    e.copy_columns(k, behind);
+    if constexpr (Sim::has_ranks) {
+      sim().ranks_scene_.edits.next_part = ids.part;
+      sim().ranks_scene_.edits.reshaped.push_back(old.id), note_rows();
+      e.remove(k, sim().domain_, sim().dt_);
+      e.join_own(e.particles.size() - first_row);
+    } else {
+      sim().next_.part = ids.part;
+      e.join_lists(sim().domain_, sim().dt_, first_row);
+      e.remove(k, sim().domain_, sim().dt_);
+    }
   }
   Sim& sim() { return static_cast<Sim&>(*this); }
 
@@ -282,7 +294,43 @@ class ParticleEdits {
       for (const auto& c : edits.ended)
         if (c.own < c.other || !std::binary_search(gone.begin(), gone.end(), c.other))
           sim().book_.removed(c.work, c.normal);
-    e.park_ghosts([&](ParticleId id) { return std::binary_search(gone.begin(), gone.end(), id); });
+    const auto is_gone = [&](ParticleId id) {
+      return std::binary_search(gone.begin(), gone.end(), id);
+    };
+    e.park_ghosts(is_gone);
+    if constexpr (Sim::has_bonds) sim().bonds_.leave(e, is_gone);
+  }
+  /// Collective: ends the contacts of the ghosts of bodies that have another form; the next search
+  /// brings them anew. The new parts get ids that no other part has: those of the body with the
+  /// lowest id first, whatever the number of ranks.
+  template <class Edits>
+  void reshape_on_others(Edits& edits) {
+    struct Reshaped {
+      ParticleId id;
+      std::size_t parts;
+    };
+    auto& e = sim().engine_;
+    std::sort(edits.reshaped.begin(), edits.reshaped.end());
+    edits.reshaped.erase(std::unique(edits.reshaped.begin(), edits.reshaped.end()),
+                         edits.reshaped.end());
+    const auto rows_of = [&](ParticleId id) {
+      const std::size_t k = e.find(id);  // it may have been removed since
+      return k < e.owners() ? e.mover.rows_of(e.mover.bodies[k]) : std::span<const std::uint32_t>();
+    };
+    std::vector<Reshaped> own;
+    for (const ParticleId id : edits.reshaped) own.push_back({id, rows_of(id).size()});
+    auto all = gather(e.ranks.comm(), std::span<const Reshaped>(own)).values;
+    const auto is_lower = [](const Reshaped& a, const Reshaped& b) { return a.id < b.id; };
+    std::sort(all.begin(), all.end(), is_lower);
+    for (const Reshaped& one : all) {
+      for (const std::uint32_t row : rows_of(one.id))
+        e.particles.id[row] = sim().next_.part + e.particles.part[row].local;
+      sim().next_.part += one.parts;
+      note_resized(one.id, "Simulation::set_form");
+    }
+    e.park_ghosts([&](ParticleId id) {
+      return std::binary_search(all.begin(), all.end(), Reshaped{id, 0}, is_lower);
+    });
   }
 
   std::size_t place_of(ParticleId id, const char* function) {

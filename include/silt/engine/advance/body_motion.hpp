@@ -226,7 +226,8 @@ class BodyMotion {
           auto& store = std::get<ShapeType::Kinds::template index<Kind>>(out.stores);
           if (r < out.form.size())
             out.form[r].set(Narrow::row(solid, b.scale, store, {forms[b.form].made(), part.local}));
-          out.exponents = std::max(out.exponents, Narrow::exponents(solid));
+          if (b.id != no_particle)
+            out.exponents = std::max(out.exponents, Narrow::exponents(solid));
           out.pose[r].least_radius = b.scale * Narrow::least_radius(solid);
         },
         solids[part.local].solid);

@@ -74,6 +74,16 @@ class ContactRecord {
     return wanted ? this : nullptr;
   }
   void forget() { step_ = none; }
+  /// Must be called after `more` rows were inserted in front of row `first`.
+  void make_way(std::size_t first, std::size_t more) {
+    const auto move = [&](std::uint32_t& row) {
+      if (row >= first) row += static_cast<std::uint32_t>(more);
+    };
+    for (RecordedForce& c : contacts) {
+      move(c.first);
+      if (!c.at_wall()) move(c.second);
+    }
+  }
   bool is_of(std::int64_t step) const { return step_ == step; }
   /// Includes force parts and history.
   bool is_whole() const { return whole_; }

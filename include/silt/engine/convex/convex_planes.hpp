@@ -142,7 +142,10 @@ class ConvexPlanes {
     store(to.place[2] + k, place.z);
     store(to.gradient + k, one), store(to.couple + k, zero);
     if constexpr (E > Exponents::Two) {
-      if (in.times.renew_areas || any(!touched)) {
+      // A contact that touched has no points yet if until now there were ellipsoids alone.
+      const auto* const way = to.history + ContactsType::frame_from;
+      const Vec3<Real> t = load3<Real>(way[0] + k, way[1] + k, way[2] + k);
+      if (in.times.renew_areas || any(!touched || !(dot(t, t) > Real(0.5)))) {
         const auto form = Gather::template form_pack<0, E>(in, near.row + k);
         to.area.put_spread(k, spread_of(form, axes, n, found.point, found.overlap));
       }

@@ -161,6 +161,14 @@ class BondList {
   }
   /// Removes the bond at a place.
   void remove(std::size_t place) { ids_[place] = nobody, --size_, is_stale_ = true; }
+  /// Removes the bonds for which goes(bond) is true.
+  template <class Goes>
+  void remove_if(const Goes& goes) {
+    for_each([&](std::size_t k) {
+      if (goes(bond(k))) remove(k);
+    });
+    size_ -= std::erase_if(waiting_, goes);
+  }
 
   const PairGroups& groups() const { return groups_; }
   const Group& group(std::size_t g) const { return group_[g]; }

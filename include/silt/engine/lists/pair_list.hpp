@@ -100,7 +100,8 @@ class PairList {
   Memory memory(std::size_t place) const { return history_.values(place); }
 
   /// Must be called after `more` rows were inserted in front of the ghosts, which begin at `first`:
-  /// histories stay with their pairs until the next search. `particles`: present number of rows.
+  /// pairs and their histories stay as they are until the next search. `particles`: present number
+  /// of rows.
   void make_way(std::size_t first, std::size_t more, std::size_t particles);
   /// Adds pairs of particles that were added since the search, with the history `start`. They are
   /// placed at the end of their groups, where the inner list has gaps, so that usually nothing is

@@ -24,7 +24,7 @@ void PairList<H, Scalar, InRows>::make_way(std::size_t first, std::size_t more,
     return row >= first ? row + static_cast<std::uint32_t>(more) : row;
   };
   for_each([&](std::size_t k) {
-    if (remembers(k)) known.push_back({moved(first_[k]), moved(second_[k]), memory(k)});
+    known.push_back({moved(first_[k]), moved(second_[k]), memory(k)});
   });
   restore(state_of(known, particles), particles);
 }

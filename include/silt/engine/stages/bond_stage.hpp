@@ -114,6 +114,17 @@ class BondStage {
         ending.push_back({at_walls.seen(e, domain, model, k, dt, BondEnds::BeforeForces), k});
     take_out(ending);
   }
+  /// The same with several ranks for particles that were removed on any of them; is_gone(id)
+  /// identifies these particles. The bonds count neither as present nor as broken.
+  template <class Engine, class IsGone>
+  void leave(const Engine& e, const IsGone& is_gone) {
+    list.remove_if([&](const Bond& b) {
+      const bool goes = is_gone(b.i) || is_gone(b.j);
+      if (goes) e.particles.bonds.remove(b.i, b.j);
+      return goes;
+    });
+    at_walls.follow(e);
+  }
   /// Removes the bonds that were overloaded in the last step. Returns them, together with those
   /// that ended before its force computation, in order of creation.
   std::vector<BondBreak> take_broken(double time) {

@@ -196,7 +196,10 @@ class ParticleState {
   /// Removes particle k from all contacts at once; the next search drops its row.
   void park(std::size_t k) {
     fluid.leave(k);
+    [[maybe_unused]] PartRow of{};  // it stays a row of its body, which goes with it
+    if constexpr (OfBodies) of = part[k];
     park_row(*this, k), park_row(fluid, k), park_row(modules, k);
+    if constexpr (OfBodies) part[k] = of;
     ++parked;
   }
   bool is_parked(std::size_t k) const { return id[k] == no_particle; }
