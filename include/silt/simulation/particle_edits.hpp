@@ -29,7 +29,8 @@ namespace silt::inline SILT_TARGET::detail {
 /// all ranks may make the call, or only the owner, as in a loop over its own rows. Other ranks are
 /// informed when the observers of the step, or the calls before a run, have ended (share_edits); an
 /// id that no rank has is then refused. Changed sizes, materials and forms, and removals, force a
-/// search in the next step in this case. Tests: tests/parallel/edits.cpp, removals.cpp, forms.cpp.
+/// search in the next step in this case. Tests: tests/parallel/edits.cpp, bonds_removed.cpp,
+/// forms.cpp.
 template <class Sim>
 class ParticleEdits {
  public:
