@@ -338,6 +338,47 @@ TEST_CASE("ranks: a run of charges continues from its file, on as many ranks to 
   }
 }
 
+// Catches: work that is counted in a list of before a search, in steps in which a flux is held: the
+// file would hold the work of other particles, and be refused where their number is another one.
+TEST_CASE("ranks: a run with radiation that is held continues from any of its files") {
+  const silt_test::Folder folder;
+  const silt::MutualRadiation radiating{
+      silt::HeatConduction{.conductivity = 1, .heat_capacity = 100, .flux_every = 40},
+      {.emissivity = 0.9, .gap = 0.006}};
+  const auto path = [&](int k) { return folder / ("run" + std::to_string(k)); };
+  const auto with = [&](const auto& use) {
+    silt::run_on_ranks(3, [&](const silt::ThreadComm& comm) {
+      auto sim =
+          silt_test::trough(silt_test::cloud(12, 4, 3), radiating, silt_test::wandering(comm));
+      sim.time_step = 1e-5;
+      for (std::size_t k = 0; k < sim.rows(); ++k)
+        sim.template field<silt::Temperature>(k) = 300 + 500 * static_cast<double>(sim.id(k) % 4);
+      use(sim);
+    });
+  };
+  const int saved = 6;
+  Seen through;
+  with([&](auto& sim) {
+    int call = 0;
+    sim.run(6.1e-3, silt::at(silt::every_steps(101), [&](auto& s) {
+              if (call < saved) silt::save_checkpoint(s, path(call++));
+            }));
+    sim.run(2e-3);
+    through.add(sim);
+  });
+  for (int k = 1; k < saved; ++k) {
+    CAPTURE(k);
+    Seen again;
+    with([&](auto& sim) {
+      silt::load_checkpoint(sim, path(k));
+      sim.run(6.1e-3 - sim.time());
+      sim.run(2e-3);
+      again.add(sim);
+    });
+    CHECK(again.off(through)[0] < 1e-10);
+  }
+}
+
 // Catches: a decomposition that weighs contacts alone, where nearly all work is that of pairs at a
 // distance: here a dense block of charges beside a long row of few.
 TEST_CASE("ranks: work of pairs at a distance is divided as well") {

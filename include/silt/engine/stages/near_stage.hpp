@@ -169,8 +169,8 @@ class NearStage<ModuleList<Ms...>, Domain> {
   template <class Engine>
   void look(const std::tuple<Ms...>& modules, const Engine& e, const Domain& domain, double time,
             bool asked, bool measure) {
-    measured_ = measure;
-    if (!(wanted<Ms>(asked || measure) || ...)) return;
+    measured_ = measure, asked_ = asked || measure;
+    if (!(wanted<Ms>(asked_) || ...)) return;
     see(e, e.places(), time);
     look_at_seen(modules, e, domain, asked, measure);
   }
@@ -178,8 +178,8 @@ class NearStage<ModuleList<Ms...>, Domain> {
   template <class Engine>
   void look_at_seen(const std::tuple<Ms...>& modules, const Engine& e, const Domain& domain,
                     bool asked, bool measure) {
-    measured_ = measure;
-    (look_one<Ms>(modules, e, domain, asked || measure, measure), ...);
+    measured_ = measure, asked_ = asked || measure;
+    (look_one<Ms>(modules, e, domain, asked_, measure), ...);
   }
   /// The particles at the first places of the engine.
   template <class Engine>
@@ -216,9 +216,9 @@ class NearStage<ModuleList<Ms...>, Domain> {
     return most;
   }
   /// In the first look after a search on several ranks: the work of each own particle's pairs, in
-  /// units of a contact's.
+  /// units of a contact's, for the modules that look in this step.
   void weigh(const Domain& domain, std::vector<double>& work) const {
-    if (work.size() == near.own) return;
+    if (!(wanted<Ms>(asked_) || ...) || work.size() == near.own) return;
     work.assign(near.own, 0);
     (weigh_one<Ms>(domain, work), ...);
   }
@@ -285,6 +285,7 @@ class NearStage<ModuleList<Ms...>, Domain> {
   template <class M>
   void weigh_one(const Domain& domain, std::vector<double>& work) const {
     if constexpr (ActsInPairs<M>) {
+      if (!wanted<M>(asked_)) return;
       constexpr double of_a_side = 0.25;
       of<M>().list.for_each(Team{}, [&](std::size_t, std::size_t i, std::size_t j) {
         if (!of<M>().sees(near.seen[i], near.seen[j], domain)) return;
@@ -314,7 +315,7 @@ class NearStage<ModuleList<Ms...>, Domain> {
 
   std::tuple<NearPairs<Ms, Domain>...> pairs_;
   std::tuple<std::vector<FieldsOf<Ms>>...> others_;
-  bool measured_ = false;
+  bool measured_ = false, asked_ = false;  // by the last look
 };
 
 /// For compositions without pair interactions.
