@@ -87,7 +87,7 @@ void fall_thinned(Thinned& out, const Model& model, Policies... policies) {
   const auto ends = silt::on_contact_end([&](const silt::ContactEvent&) { ++out.ended; });
   const auto inner = [](silt::ParticleId id) { return id % 9 == 4; };
   const auto some = [](silt::ParticleId id) { return id % 27 / 3 == 3 || id == 81; };
-  const auto outer = [](silt::ParticleId id) { return id % 9 == 5; };
+  const auto outer = [](silt::ParticleId id) { return id % 27 == 14; };
   int call = 0;
   auto edit = silt::at(silt::every(0.001), [&](auto& s) {
     if (++call == 2) thin_out(s, inner, out.across);
@@ -137,7 +137,7 @@ TEST_CASE("ranks: bonds of removed spheres vanish untold on both ranks") {
           n, [&](const silt::ThreadComm& comm) { fall_thinned(many, model, ranks(comm)); });
       check_thinned(many, one, rounding);
       CHECK(many.seen.off(one.seen)[0] < place_limit);
-      if (n > 1) CHECK(many.across.load() > 1);
+      if (n > 1) CHECK(many.across.load() > 0);
     }
     return one.breaks.all.size();
   };
@@ -187,7 +187,7 @@ TEST_CASE("ranks: a sphere is removed whose bonds have just been made") {
   }
 }
 
-// Catches: bonds in a file whose particle is not.
+// Catches: bonds in a file whose particle is not; a removal before loading that is shared after it.
 TEST_CASE("ranks: what is saved as bonded spheres are removed goes on") {
   const silt_test::Folder folder;
   const std::string path = folder / "run";
@@ -201,10 +201,12 @@ TEST_CASE("ranks: what is saved as bonded spheres are removed goes on") {
     sim.run(0.002), through.add(sim);
   });
   const auto go_on = [&](auto& sim, Seen& again) {
+    sim.remove(5);  // of the state before, and forgotten with it
     silt::load_checkpoint(sim, path);
     CHECK(sim.bonds() == 24 - 9);
     CHECK(sim.size() == 19);
     sim.run(0.002), again.add(sim);
+    CHECK(sim.bonds() == 24 - 9);
   };
   Seen alone;
   auto sim = beam();

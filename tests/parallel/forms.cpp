@@ -251,7 +251,6 @@ TEST_CASE("ranks: what is saved after a change of forms goes on") {
     sim.run(0.003), through.add(sim);
   });
   const auto go_on = [&](auto& sim, Seen& again) {
-    sim.set_form(2, 1), sim.remove(3);  // of the state before, and forgotten with it
     silt::load_checkpoint(sim, path);
     CHECK(sim.size() == 20);
     sim.run(0.003), again.add(sim);
