@@ -9,8 +9,12 @@
 
 #include <silt/core/position_row.hpp>
 #include <silt/engine/ranks/choose_ghosts.hpp>
+#include <silt/engine/ranks/near_reach.hpp>
+#include <silt/engine/ranks/no_ranks.hpp>
 #include <silt/engine/ranks/packed.hpp>
 #include <silt/engine/state/module_columns.hpp>
+#include <silt/module/concept.hpp>
+#include <silt/parallel/comm.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
