@@ -29,18 +29,20 @@ class NearOthers<ModuleList<Ms...>> {
   static void look(Near& near, const std::tuple<Ms...>& modules, const Engine& e,
                    const Domain& domain, double time) {
     const auto& ranks = e.ranks;
+    const auto forget = [&near] { (near.template of_others<Ms>().clear(), ...); };
+    forget();  // what is left of a look that has thrown
     std::vector<PositionRow> grown;
     ranks.together("particles near each other", [&] {
       near.see(e, e.owners(), time);
       const NearReach reach = Near::reach(modules);
-      for (const Seen& p : near.near.seen)
+      for (const Seen& p : near.particles.seen)
         if (p.id != no_particle)
           grown.push_back({p.position.x, p.position.y, p.position.z, reach.around(p.radius)});
     });
     if (ranks.size() > 1) receive(near, e, send(near, e, grown, domain));
     ranks.together("modules that act in pairs",
                    [&] { near.look_at_seen(modules, e, domain, true, true); });
-    (near.template of_others<Ms>().clear(), ...);
+    forget();
   }
 
  private:
@@ -49,13 +51,13 @@ class NearOthers<ModuleList<Ms...>> {
   static std::vector<Packed> send(const Near& near, const Engine& e,
                                   std::span<const PositionRow> grown, const Domain& domain) {
     std::vector<std::uint32_t> present;
-    for (std::uint32_t k = 0; k < near.near.own; ++k)
-      if (near.near.seen[k].id != no_particle) present.push_back(k);
+    for (std::uint32_t k = 0; k < near.particles.own; ++k)
+      if (near.particles.seen[k].id != no_particle) present.push_back(k);
     std::vector<Packed> out;
     for (const auto& rows : ghosts_in_reach(e.ranks.comm(), grown, domain)) {
       out.emplace_back();
       for (const std::uint32_t n : rows) {
-        out.back().put(near.near.seen[present[n]]);
+        out.back().put(near.particles.seen[present[n]]);
         (put_fields<Ms>(e, present[n], out.back()), ...);
       }
     }
@@ -69,7 +71,7 @@ class NearOthers<ModuleList<Ms...>> {
     e.ranks.meet("particles of other ranks");
     for (const Arrival& came : deliver(e.ranks.comm(), messages))
       for (Unpacked from(came.bytes); !from.done();) {
-        near.near.seen.push_back(from.get<Seen>());
+        near.particles.seen.push_back(from.get<Seen>());
         (take_fields<Ms>(near, from), ...);
       }
   }

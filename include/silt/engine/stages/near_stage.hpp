@@ -161,7 +161,7 @@ template <class Domain, class... Ms>
 class NearStage<ModuleList<Ms...>, Domain> {
  public:
   static constexpr bool active = ModuleList<Ms...>::in_pairs;
-  NearParticles near;  // of the last look
+  NearParticles particles;  // of the last look
 
   /// Evaluates the pair interactions of modules now; `measure`: also their rates of change. Modules
   /// whose contact flux is held in this step (`asked` is false) are skipped; their pair flux is
@@ -174,7 +174,7 @@ class NearStage<ModuleList<Ms...>, Domain> {
     see(e, e.places(), time);
     look_at_seen(modules, e, domain, asked, measure);
   }
-  /// The same among the particles in `near`.
+  /// The same among these `particles`.
   template <class Engine>
   void look_at_seen(const std::tuple<Ms...>& modules, const Engine& e, const Domain& domain,
                     bool asked, bool measure) {
@@ -184,11 +184,11 @@ class NearStage<ModuleList<Ms...>, Domain> {
   /// The particles at the first places of the engine.
   template <class Engine>
   void see(const Engine& e, std::size_t places, double time) {
-    near.own = e.owners(), near.seen.resize(places);
+    particles.own = e.owners(), particles.seen.resize(places);
     e.team().for_ranges(places, [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k) {
-        near.seen[k].id = no_particle;
-        if (e.owner(k).is_there()) near.seen[k] = e.seen(k, time);
+        particles.seen[k].id = no_particle;
+        if (e.owner(k).is_there()) particles.seen[k] = e.seen(k, time);
       }
     });
   }
@@ -218,8 +218,8 @@ class NearStage<ModuleList<Ms...>, Domain> {
   /// In the first look after a search on several ranks: the work of each own particle's pairs, in
   /// units of a contact's, for the modules that look in this step.
   void weigh(const Domain& domain, std::vector<double>& work) const {
-    if (!(wanted<Ms>(asked_) || ...) || work.size() == near.own) return;
-    work.assign(near.own, 0);
+    if (!(wanted<Ms>(asked_) || ...) || work.size() == particles.own) return;
+    work.assign(particles.own, 0);
     (weigh_one<Ms>(domain, work), ...);
   }
   /// Whether the last look measured rates.
@@ -268,7 +268,7 @@ class NearStage<ModuleList<Ms...>, Domain> {
     if constexpr (ActsInPairs<M>)
       if (wanted<M>(asked))
         std::get<own>(pairs_).look(
-            std::get<own>(modules), near,
+            std::get<own>(modules), particles,
             [&](std::size_t k) -> decltype(auto) { return this->template fields<M>(e, k); }, domain,
             e.team(), measure);
   }
@@ -277,8 +277,8 @@ class NearStage<ModuleList<Ms...>, Domain> {
     if constexpr (!has_fields<M>)
       return NoFields{};
     else if constexpr (Engine::of_ranks)
-      return (of_others<M>().empty() || k < near.own ? e.modules().template of<M>()[k]
-                                                     : of_others<M>()[k - near.own]);
+      return (of_others<M>().empty() || k < particles.own ? e.modules().template of<M>()[k]
+                                                          : of_others<M>()[k - particles.own]);
     else
       return (e.modules().template of<M>()[k]);
   }
@@ -288,9 +288,9 @@ class NearStage<ModuleList<Ms...>, Domain> {
       if (!wanted<M>(asked_)) return;
       constexpr double of_a_side = 0.25;
       of<M>().list.for_each(Team{}, [&](std::size_t, std::size_t i, std::size_t j) {
-        if (!of<M>().sees(near.seen[i], near.seen[j], domain)) return;
+        if (!of<M>().sees(particles.seen[i], particles.seen[j], domain)) return;
         work[i] += of_a_side;
-        if (j < near.own) work[j] += of_a_side;
+        if (j < particles.own) work[j] += of_a_side;
       });
     }
   }
