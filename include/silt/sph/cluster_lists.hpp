@@ -41,7 +41,8 @@ struct Repeats {
 };
 
 /// Particles in packs of `width` neighbours, and for each pack the list of all particles that may
-/// be within the kernel's support of one of its particles. There are three kinds with separate
+/// be within the kernel's support of one of its particles (the box around a pack has up to half as
+/// many again). There are three kinds with separate
 /// packs: liquid, which interacts with liquid and walls; walls, and probes (points where the liquid
 /// is evaluated), which interact with liquid, and on request with walls.
 ///
@@ -63,8 +64,9 @@ class ClusterLists {
   static constexpr std::uint32_t most = 1u << bits;  // rows
   static constexpr std::uint32_t here = 13;          // image number of the particle itself
   static constexpr std::uint32_t none = ~std::uint32_t{0};
+  static constexpr std::size_t most_width = 16;
 
-  std::size_t width = 8;  // particles a pack
+  std::size_t width = 8;  // particles a pack, at most most_width
   double spacing = 0;     // [m] of particles
   int dimensions = 3;     // 2: in x and z
   bool probes_meet_walls = false;
@@ -184,6 +186,35 @@ class ClusterLists {
     std::vector<std::size_t> begin;  // two per pack: liquid, walls
   };
 
+  /// The particles of a pack, and how far each sees [m].
+  class Members {
+   public:
+    Members(const ClusterLists& of, std::span<const SphRow> rows, std::size_t pack, double reach,
+            const Vec3d& away) {
+      for (std::size_t l = 0; l < of.width; ++l) {
+        const std::size_t k = pack * of.width + l;
+        if (!rows[k].is_there()) continue;
+        x_[count_] = rows[k].x - away.x, y_[count_] = rows[k].y - away.y;
+        z_[count_] = rows[k].z - away.z, reach_[count_++] = reach + of.slack_[k];
+      }
+      for (; count_ % lanes != 0; ++count_)  // the first one again
+        x_[count_] = x_[0], y_[count_] = y_[0], z_[count_] = z_[0], reach_[count_] = reach_[0];
+    }
+    /// Whether one of them sees a particle with this slack [m].
+    SILT_INLINE bool see(double x, double y, double z, double slack) const {
+      for (std::size_t k = 0; k < count_; k += lanes) {
+        const Real dx = load<Real>(x_ + k) - Real(x), dy = load<Real>(y_ + k) - Real(y),
+                   dz = load<Real>(z_ + k) - Real(z), within = load<Real>(reach_ + k) + Real(slack);
+        if (lane_bits(dx * dx + dy * dy + dz * dz < within * within) != 0) return true;
+      }
+      return false;
+    }
+
+   private:
+    alignas(64) double x_[most_width], y_[most_width], z_[most_width], reach_[most_width];
+    std::size_t count_ = 0;
+  };
+
   std::span<const Entry> of(std::size_t pack, std::size_t which) const {
     const List& list = lists_[pack / packs_a_part];
     const std::size_t k = 2 * (pack % packs_a_part) + which;
@@ -263,21 +294,19 @@ class ClusterLists {
     for (std::size_t l = 0; l < width; ++l)
       if (const SphRow& r = rows[pack * width + l]; r.is_there())
         box.include(r.position()), slack = std::max(slack, slack_[pack * width + l]);
-    if (!is_finite(box.min)) return;
-    const double own = reach + slack;
-    reach = own + g.most_slack;
-    const int before[2] = {images(0, box.min.x - reach, box.max.x + reach).first,
-                           images(1, box.min.y - reach, box.max.y + reach).first},
-              after[2] = {images(0, box.min.x - reach, box.max.x + reach).second,
-                          images(1, box.min.y - reach, box.max.y + reach).second};
-    const auto [below, above] = images(2, box.min.z - reach, box.max.z + reach);
-    for (int a = before[0]; a <= after[0]; ++a)
-      for (int b = before[1]; b <= after[1]; ++b)
+    if (!is_finite(box.min) || g.sorted.empty()) return;
+    const double own = reach + slack, far = own + g.most_slack;
+    const auto [left, right] = images(0, box.min.x - far, box.max.x + far);
+    const auto [front, back] = images(1, box.min.y - far, box.max.y + far);
+    const auto [below, above] = images(2, box.min.z - far, box.max.z + far);
+    for (int a = left; a <= right; ++a)
+      for (int b = front; b <= back; ++b)
         for (int c = below; c <= above; ++c) {
           const Vec3d way{a * repeats.length.x, b * repeats.length.y, c * repeats.length.z};
           const auto image = static_cast<std::uint32_t>(a + 1 + 3 * (b + 1) + 9 * (c + 1));
           const Box seen{box.min - way, box.max - way};
-          find_in(g, seen, own, image << bits, out);
+          const Members members(*this, rows, pack, reach, way);
+          find_in(g, seen, members, own, image << bits, out);
         }
   }
   /// Range of images in a direction that may reach into an interval.
@@ -286,8 +315,8 @@ class ClusterLists {
     return {low < repeats.from(d) ? -1 : 0, high > repeats.from(d) + repeats.along(d) ? 1 : 0};
   }
   /// `own` [m]: reach of the pack, to which the slack of each other particle is added.
-  void find_in(const Group& g, const Box& box, double own, std::uint32_t image,
-               std::vector<Entry>& out) const {
+  void find_in(const Group& g, const Box& box, const Members& members, double own,
+               std::uint32_t image, std::vector<Entry>& out) const {
     const double reach = own + g.most_slack;
     const auto range = [&](int d, double low, double high) {
       const int n = columns_[at(d)];
@@ -329,14 +358,17 @@ class ClusterLists {
           std::uint64_t near = lane_bits(dx * dx + dy * dy + dz * dz < within * within);
           if (end - k < lanes) near &= (std::uint64_t{1} << (end - k)) - 1;
           next = put_places<lanes>(k, near, next);
-          if (next > found + room) take(found, next, image, out), next = found;
+          if (next > found + room) take(found, next, members, image, out), next = found;
         }
       }
-    take(found, next, image, out);
+    take(found, next, members, image, out);
   }
-  static void take(const std::uint32_t* from, const std::uint32_t* to, std::uint32_t image,
-                   std::vector<Entry>& out) {
-    for (; from != to; ++from) out.push_back({*from | image});
+  /// Takes those of what is near the box that are near a particle in it.
+  void take(const std::uint32_t* from, const std::uint32_t* to, const Members& members,
+            std::uint32_t image, std::vector<Entry>& out) const {
+    for (; from != to; ++from)
+      if (members.see(x_[*from], y_[*from], z_[*from], slack_[*from]))
+        out.push_back({*from | image});
   }
   static SILT_INLINE Real outside(const Real& x, const Real& low, const Real& high) {
     return max(max(low - x, x - high), Real(0));

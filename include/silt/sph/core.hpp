@@ -111,6 +111,7 @@ struct SphCore {
     full = sph_divergence_of_lattice<Kernel>(setup);
     if constexpr (Shift::shifts) surface_slope = SphSurfaceSlope<Kernel>(setup.dimensions);
     if constexpr (!Time::two_stages) check_verlet();
+    static_assert(Pairs::W <= Lists::most_width);
     lists.width = Pairs::W, lists.spacing = setup.spacing, lists.dimensions = setup.dimensions;
     lists.probes_meet_walls = Grains::averaged;
     if (setup.dimensions == 2) solids.plane = setup.region.min.y;
