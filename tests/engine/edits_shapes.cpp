@@ -191,4 +191,67 @@ TEST_CASE("edits: a body that is given another form in flight rebounds as if it 
   CHECK(has_words(refusal<InputError>([&] { sim.set_form(9, 1); }), {"no particle 9"}));
 }
 
+// Catches: a removed body that still counts in the pair list.
+TEST_CASE("edits: a convex body that was removed touches nothing") {
+  silt::Particles<silt::SuperEllipsoid> pills;
+  pills.add_form(silt::SuperEllipsoid{.a = 1e-3, .b = 1e-3, .c = 1e-3, .s1 = 4, .s2 = 4});
+  for (int k = 0; k < 3; ++k) pills.add({.position = {1.99e-3 * k, 0, 0}, .density = 2500});
+  silt::Simulation sim{std::move(pills), silt::Contacts<HertzMindlin>{rubber}};
+  sim.threads = 1;
+  sim.time_step = 1e-7;
+  sim.run(1e-7);
+  CHECK(sim.touching_pairs() == 2);
+  sim.remove(2);
+  CHECK(sim.touching_pairs() == 1);
+  sim.remove(1);
+  CHECK(sim.touching_pairs() == 0);
+}
+
+// Catches: an area of contact that the ellipsoids' contacts never had, read as if they had one;
+// springs of friction that are lost, or come back, where a contact gets further points (1e-3
+// rad/s).
+TEST_CASE("edits: ellipsoids on a floor move as before when the first body with flat sides comes") {
+  enum Visit { Never, Comes, ComesAgain };
+  const auto roll = [](Visit visit) {
+    silt::Particles<silt::SuperEllipsoid> eggs;
+    eggs.add_form(silt::SuperEllipsoid{.a = 1e-3, .b = 0.8e-3, .c = 0.9e-3});
+    eggs.add_form(silt::SuperEllipsoid{.a = 1e-3, .b = 1e-3, .c = 1e-3, .s1 = 6, .s2 = 6});
+    auto block = eggs;
+    block.add({.form = 1, .position = {0, 0, 0.5}, .density = 2500});
+    for (int k = 0; k < 6; ++k)
+      eggs.add({.position = {5e-3 * k, 0, 0.899e-3},
+                .density = 2500,
+                .velocity = {0, 0.05, 0},
+                .angular_velocity = {0, 0, 40}});
+    silt::Simulation sim{std::move(eggs), silt::Contacts<HertzMindlin>{rubber}};
+    sim.gravity = {0, 0, -g};
+    sim.threads = 1;
+    sim.time_step = 1e-6;
+    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber);
+    sim.run(1e-3);
+    if (visit == ComesAgain) {
+      sim.add(block);
+      sim.run(0.5e-3);
+      sim.remove(6), sim.engine().lists.forget();
+    } else {
+      sim.run(0.5e-3);
+    }
+    sim.run(0.5e-3);
+    if (visit != Never) sim.add(block);
+    sim.run(2e-3);
+    std::array<Vec3d, 6> spins{};
+    for (std::size_t id = 0; id < spins.size(); ++id)
+      spins[id] = sim.angular_velocity(sim.find(id));
+    return spins;
+  };
+  const auto alone = roll(Never);
+  CHECK(norm(alone[0] - Vec3d{0, 0, 40}) > 1);  // [rad/s] the floor acts on them
+  for (const Visit visit : {Comes, ComesAgain}) {
+    CAPTURE(visit);
+    const auto with = roll(visit);
+    // 4.5e-5 rad/s is what the area of an ellipsoid's contact resists to its spin.
+    for (std::size_t k = 0; k < alone.size(); ++k) CHECK(norm(alone[k] - with[k]) < 1e-4);
+  }
+}
+
 }  // namespace edits_shapes_test

@@ -27,12 +27,10 @@ const HertzMindlin::Material steel{
     .youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.3};
 constexpr double g = 9.81;
 
-/// The liquid in a Simulation whose only particle is fixed, far away.
+/// The liquid in a Simulation without particles.
 template <class Water>
 auto scene(Water water, double step) {
-  Particles<Sphere> far;
-  far.add({.position = {50, 0, 50}, .radius = 0.1, .density = 1000, .fixed = true});
-  Simulation sim{std::move(far), Contacts<HertzMindlin>{steel}, std::move(water)};
+  Simulation sim{Particles<Sphere>{}, Contacts<HertzMindlin>{steel}, std::move(water)};
   sim.time_step = step;
   return sim;
 }

@@ -94,7 +94,11 @@ inline void Engine<Composition>::renew_lists(Search& search, const Domain& domai
     mover.renew_convex_rows(particles);
     if constexpr (of_ranks)
       ranks.meet("a look at bodies"), agree_on_convex_rows(ranks, particles, mover);
-    lists.pairs.use_more_history(mover.convex_rows.has_area());
+    const bool has_area = mover.convex_rows.has_area();
+    lists.pairs.use_more_history(has_area);
+    if constexpr (ContactsType::points > 1)  // of when there were bodies with flat sides
+      if (!has_area)
+        lists.walls.clear_history(ContactsType::memory_from, ContactsType::memory_radius);
   }
   if constexpr (ContactsType::several_materials)
     make_kinds(lists.pairs, particles.material, coefficients.materials, *team_, kinds_);

@@ -146,6 +146,7 @@ struct AtAreaPoints {
       const Vec3<Real> spin = load3<Real>(area.spin[0] + k, area.spin[1] + k, area.spin[2] + k);
       double* frame[6];
       for (std::size_t h = 0; h < 6; ++h) frame[h] = history[ContactsType::frame_from + h] + k;
+      start_points<ContactsType, Real>(history, frame, k);
       const auto arms = arms_of(kin, touches, step, k, frame);
 
       Vec3<Real> force = none, moment = none;
@@ -187,6 +188,19 @@ struct AtAreaPoints {
   }
 
  private:
+  /// A contact that had one point, among ellipsoids alone, continues with its history at each.
+  template <class ContactsType, class Real, std::size_t H>
+  static SILT_INLINE void start_points(const std::array<double*, H>& history, double* const* at,
+                                       std::size_t k) {
+    const Vec3<Real> way = load3<Real>(at[0], at[1], at[2]);
+    const auto is_new = !(dot(way, way) > Real(0.5));
+    if (!any(is_new)) return;
+    for (std::size_t h = 0; h < ContactsType::point_history; ++h)
+      for (std::size_t point = 1; point < area_points; ++point) {
+        double* const own = history[ContactsType::history_of(point) + h] + k;
+        store(own, select(is_new, load<Real>(history[h] + k), load<Real>(own)));
+      }
+  }
   /// The arms of a pack's points; stores their frames, one pointer per component.
   template <class Real, class Touches>
   SILT_INLINE auto arms_of(const Kinematics<Real>& kin, const Touches& touches, const Real& step,

@@ -74,6 +74,10 @@ class WallContacts {
   Scalar history(std::size_t component, std::size_t slot) const {
     return history_[component][slot];
   }
+  /// Sets the components [from, to) of all histories to 0.
+  void clear_history(std::size_t from, std::size_t to) {
+    for (std::size_t h = from; h < to; ++h) std::fill(history_[h].begin(), history_[h].end(), 0);
+  }
   /// Pieces of the candidates at planes, and the runs of each.
   std::size_t plane_pieces() const { return piece_begin_.size() - 1; }
   std::span<const PlaneRun> runs(std::size_t piece) const {
