@@ -108,6 +108,7 @@ class ClusterLists {
   /// than its slack.
   void find(std::span<const SphRow> rows, double reach, const Team& team,
             std::span<const double> slack = {}) {
+    ++version_;
     const std::size_t n = packs();
     for (auto* const of : {&x_, &y_, &z_, &slack_}) make_room(*of, rows.size() + lanes);
     team.for_ranges(rows.size(), [&](std::size_t, std::size_t from, std::size_t to) {
@@ -142,6 +143,8 @@ class ClusterLists {
   /// Liquid and walls in the list of a pack.
   std::span<const Entry> liquid(std::size_t pack) const { return of(pack, 0); }
   std::span<const Entry> walls(std::size_t pack) const { return of(pack, 1); }
+  /// Changes when the lists do; > 0 with lists.
+  std::uint64_t version() const { return version_; }
   /// Extent of the particles at the last sort().
   const Box& extent() const { return extent_; }
   /// Position [m] of a row when the lists were built.
@@ -375,6 +378,7 @@ class ClusterLists {
   }
   static std::size_t at(int d) { return static_cast<std::size_t>(d); }
 
+  std::uint64_t version_ = 0;
   std::array<Group, kinds> groups_;
   Box extent_{{0, 0, 0}, {0, 0, 0}};
   std::vector<std::size_t> column_;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -14,6 +16,7 @@
 #include <silt/core/vec3.hpp>
 #include <silt/sph/body_points.hpp>
 #include <silt/sph/cluster_lists.hpp>
+#include <silt/sph/seen.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -50,34 +53,32 @@ class DryGaps {
     pushes_.clear();
     const BodyPoints& of = core.solids.bodies;
     if (of.empty() || core.solids.walls.walls() == 0) return;
-    if (made_ != of.version()) find_own(of, core.setup), made_ = of.version();
-    const double reach = 2 * core.setup.h();
-    sites_.clear();
-    for (std::size_t k = 0; k < of.size();) {
-      const std::size_t b = of.body_of(k), from = k;
-      while (k < of.size() && of.body_of(k) == b) ++k;
-      const auto& body = of.bodies[b];
-      if (!is_wet(core, from, k) || core.solids.walls.distance(body.centre) > body.reach + reach)
-        continue;
-      const std::size_t first = sites_.size();
-      for (std::size_t p = from; p < k; ++p) {
-        const Vec3d surface = 0.5 * (of.place(p) + of.ghost(p));
-        const auto wall = core.solids.walls.nearest(surface);
-        if (wall.distance < reach) sites_.push_back({p, wall.wall, wall.distance, surface});
-      }
-      look(core, first, team);
-      push(core, first);
+    if (made_ != of.version() || listed_ != core.lists.version()) {
+      if (made_ != of.version()) find_own(of, core.setup);
+      find_sites(core, team);
+      made_ = of.version(), listed_ = core.lists.version();
+    }
+    look_at_walls(core, team);
+    look_at_liquid(core, team);
+    for (std::size_t from = 0, to = 0; from < sites_.size(); from = to) {
+      while (to < sites_.size() && of.body_of(sites_[to].point) == of.body_of(sites_[from].point))
+        ++to;
+      push(core, from, to);
     }
   }
 
  private:
+  /// A point of a body that may come near a wall while the lists hold.
   struct Site {
-    std::size_t point, wall;
-    double gap;     // [m]
-    Vec3d surface;  // [m]
-    // Sums over the liquid: V grad W [1/m], V W [-], V W (P - rho g.x) [Pa].
-    Vec3d slope{0, 0, 0};
-    double weight = 0, level = 0;
+    std::size_t point, wall = 0;
+    double gap = 0;          // [m]
+    Vec3d surface{0, 0, 0};  // [m]
+    Vec3d slope{0, 0, 0};    // [1/m] sum of V grad W over the liquid
+    double weight = 0;       // [-] of V W
+    double level = 0;        // [Pa] of V W (P - rho g.x)
+  };
+  struct Seat {
+    std::size_t row, site;
   };
   /// For each kind of body: its points are in the same order.
   void find_own(const BodyPoints& of, const SphSetup& setup) {
@@ -110,47 +111,106 @@ class DryGaps {
         return true;
     return false;
   }
+  /// The points of wet bodies that may come within the kernel's reach of a wall before a particle
+  /// has moved by more than its slack in the lists.
   template <class Core>
-  void look(const Core& core, std::size_t first, const Team& team) {
-    const double h = core.setup.h(), a = Kernel::normalisation(core.setup.dimensions, h);
-    const Vec3d rho_g = core.liquid.density * core.weight();
+  void find_sites(const Core& core, const Team& team) {
+    const BodyPoints& of = core.solids.bodies;
+    const auto& walls = core.solids.walls;
+    const double reach = 2 * core.setup.h(),
+                 slack = walls.size() > 0 ? core.lists.slack(core.solids.wall_row[0]) : INFINITY;
+    std::array<std::vector<Site>, Team::most_ranges> parts;
+    team.for_ranges(of.bodies.size(), [&](std::size_t range, std::size_t from, std::size_t to) {
+      for (std::size_t b = from; b < to; ++b) {
+        const std::size_t first = of.begin()[b], last = of.begin()[b + 1];
+        if (!is_wet(core, first, last)) continue;
+        // Twice: a restored run begins when part of it is used up.
+        const double near = reach + 2 * (slack + slack_of(core, first, last));
+        if (walls.distance(of.bodies[b].centre) > of.bodies[b].reach + near) continue;
+        for (std::size_t k = first; k < last; ++k)
+          if (walls.distance(surface(of, k)) < near) parts[range].push_back({k});
+      }
+    });
+    sites_.clear(), seats_.clear();
+    for (const auto& part : parts) sites_.insert(sites_.end(), part.begin(), part.end());
+    for (std::size_t n = 0; n < sites_.size(); ++n)
+      if (const std::size_t k = walls.size() + sites_[n].point; core.solids.has_row(k))
+        seats_.push_back({core.solids.wall_row[k], n});
+    std::sort(seats_.begin(), seats_.end(),
+              [](const Seat& a, const Seat& b) { return a.row < b.row; });
+    packs_.assign(1, 0);
+    for (std::size_t n = 1; n <= seats_.size(); ++n)
+      if (n == seats_.size() ||
+          seats_[n].row / core.lists.width != seats_[n - 1].row / core.lists.width)
+        packs_.push_back(n);
+  }
+  static Vec3d surface(const BodyPoints& of, std::size_t k) {
+    return 0.5 * (of.place(k) + of.ghost(k));
+  }
+  /// [m] The largest of a body's points.
+  template <class Core>
+  static double slack_of(const Core& core, std::size_t from, std::size_t to) {
     const std::size_t walls = core.solids.walls.size();
-    team.for_ranges(sites_.size() - first, [&](std::size_t, std::size_t from, std::size_t to) {
-      for (std::size_t n = first + from; n < first + to; ++n) {
-        Site& s = sites_[n];
-        if (!core.solids.has_row(walls + s.point)) continue;  // no liquid nearby
-        const std::size_t row = core.solids.wall_row[walls + s.point];
-        const Vec3d here = core.columns.rows[row].position(),
-                    place = core.solids.bodies.place(s.point);
-        for (const auto entry : core.lists.liquid(row / core.lists.width)) {
-          const auto& b = core.columns.rows[entry.row()];
-          Vec3d r = here - b.position();
-          if (entry.image() != ClusterLists::here) r -= core.lists.shift(entry.image());
-          if (dot(r, r) >= 4 * h * h) continue;
-          const double q = norm(r) / h, V = core.columns.volume[entry.row()];
-          s.slope += a / (h * h) * V * Kernel::slope(q) * r;
-          const double w = a * V * Kernel::weight(q);
-          s.weight += w, s.level += w * (b.pressure - dot(rho_g, place - r));
+    double most = 0;
+    for (std::size_t k = walls + from; k < walls + to; ++k)
+      if (core.solids.has_row(k)) most = std::max(most, core.lists.slack(core.solids.wall_row[k]));
+    return most;
+  }
+  template <class Core>
+  void look_at_walls(const Core& core, const Team& team) {
+    team.for_ranges(sites_.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t n = from; n < to; ++n) {
+        const Vec3d x = surface(core.solids.bodies, sites_[n].point);
+        const auto wall = core.solids.walls.nearest(x);
+        sites_[n] = {sites_[n].point, wall.wall, wall.distance, x};
+      }
+    });
+  }
+  /// Sums over the liquid, a pack of rows at a time.
+  template <class Core>
+  void look_at_liquid(const Core& core, const Team& team) {
+    constexpr std::size_t W = Core::Pairs::W;
+    const auto pairs = core.pairs();
+    const auto& of = core.columns;
+    const Vec3d rho_g = core.liquid.density * core.weight();
+    const double reach = 2 * core.setup.h();
+    team.for_ranges(packs_.size() - 1, [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t p = from; p < to; ++p) {
+        const std::span seats(seats_.data() + packs_[p], packs_[p + 1] - packs_[p]);
+        if (std::none_of(seats.begin(), seats.end(),
+                         [&](const Seat& s) { return sites_[s.site].gap < reach; }))
+          continue;
+        std::array<SphLevel, W> levels;
+        pairs.look_at_level(seats[0].row / W, of.rows, of.volume, core.lists, levels, of.brief);
+        for (const Seat& seat : seats) {
+          Site& s = sites_[seat.site];
+          const SphLevel& level = levels[seat.row % W];
+          s.slope = level.slope, s.weight = level.weight;
+          const Vec3d place = core.solids.bodies.place(s.point);
+          s.level = level.pressure - dot(rho_g, level.weight * place - level.way);
         }
       }
     });
   }
   /// Forces on one body, wall by wall.
   template <class Core>
-  void push(const Core& core, std::size_t first) {
+  void push(const Core& core, std::size_t first, std::size_t last) {
     const double s = core.setup.spacing, V = core.setup.volume();
     const Vec3d rho_g = core.liquid.density * core.weight();
+    const double reach = 2 * core.setup.h();
     std::map<std::size_t, std::pair<double, double>> around;  // by wall: weight, level
-    for (std::size_t n = first; n < sites_.size(); ++n)
-      around[sites_[n].wall].first += sites_[n].weight,
-          around[sites_[n].wall].second += sites_[n].level;
-    for (std::size_t n = first; n < sites_.size(); ++n) {
+    for (std::size_t n = first; n < last; ++n)
+      if (sites_[n].gap < reach)
+        around[sites_[n].wall].first += sites_[n].weight,
+            around[sites_[n].wall].second += sites_[n].level;
+    for (std::size_t n = first; n < last; ++n) {
       const Site& site = sites_[n];
+      if (!(site.gap < reach)) continue;
       const auto [weight, level] = around[site.wall];
       if (!(weight > 0.1)) continue;
       const Vec3d all = -1.0 * core.solids.bodies.turned(site.point, own_[site.point]);
-      const double whole = dot(all, all), h = core.setup.h();
-      if (!(whole * h * h > 1e-3)) continue;
+      const double whole = dot(all, all);
+      if (!(whole * reach * reach > 4e-3)) continue;
       const double wet = dot(site.slope, all) / whole,
                    share = std::clamp(5 * (0.9 - wet), 0.0, 1.0) *
                            std::clamp(2.5 - site.gap / s, 0.0, 1.0);
@@ -161,9 +221,11 @@ class DryGaps {
     }
   }
 
-  std::uint64_t made_ = 0;
-  std::vector<Vec3d> own_;  // [1/m] sum of V grad W over a body's own particles, in its frame
-  std::vector<Site> sites_;
+  std::uint64_t made_ = 0, listed_ = 0;  // versions of the points and of the lists
+  std::vector<Vec3d> own_;   // [1/m] sum of V grad W over a body's own particles, in its frame
+  std::vector<Site> sites_;  // body by body
+  std::vector<Seat> seats_;  // of those that have a row, in its order
+  std::vector<std::size_t> packs_{0};  // first seat of each pack, and the end
   std::vector<Push> pushes_;
 };
 

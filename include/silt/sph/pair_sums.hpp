@@ -146,28 +146,49 @@ class SphPairs {
     return put(rows.data() + pack * W, totals, out.data() + pack * W);
   }
 
-  /// Sums of the probes of a pack (probe_sums.hpp).
+  /// Sums of the particles of a pack over the liquid around them (probe_sums.hpp).
   void look(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
             const ClusterLists& lists, std::span<SphSeen> out,
             std::span<const SphBrief> brief = {}) const {
-    const auto entries = lists.liquid(pack);
-    if constexpr (mixed) {
-      SphBrief own[W];
-      shorten(rows.subspan(pack * W, W), volume.subspan(pack * W, W), own);
-      SphProbes<Kernel, float, W>::look(
-          own, brief, [&](std::size_t row) { return brief[row].volume; }, lists, entries,
-          {length_, speed_, rest_, density_, volume_ * weight_, h_}, out.data());
-    } else {
-      for (std::size_t l = 0; l < W; l += probes)
-        SphProbes<Kernel, double, probes>::look(
-            rows.data() + pack * W + l, rows, [&](std::size_t row) { return volume[row]; }, lists,
-            entries, {1, 1, 0, 1, weight_, h_}, out.data() + l);
-    }
+    use_probes(pack, rows, volume, brief,
+               [&]<class Probes>(Probes, std::size_t lane, auto... with) {
+                 Probes::look(with..., lists, lists.liquid(pack), units(), out.data() + lane);
+               });
+  }
+  void look_at_level(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
+                     const ClusterLists& lists, std::span<SphLevel> out,
+                     std::span<const SphBrief> brief = {}) const {
+    use_probes(
+        pack, rows, volume, brief, [&]<class Probes>(Probes, std::size_t lane, auto... with) {
+          Probes::look_at_level(with..., lists, lists.liquid(pack), units(), out.data() + lane);
+        });
   }
 
  private:
   static constexpr std::size_t chunk = 128, sums = 9;
   static constexpr std::size_t probes = std::min(W, Lanes<Arch>::width);
+  using ProbeUnits = typename SphProbes<Kernel, Scalar, mixed ? W : probes>::Units;
+  ProbeUnits units() const {
+    if constexpr (mixed)
+      return {length_, speed_, rest_, density_, volume_ * weight_, h_};
+    else
+      return {1, 1, 0, 1, weight_, h_};
+  }
+  /// use(probes, lane, own rows, all rows, volume of a row), for lanes from `lane` on.
+  template <class Use>
+  void use_probes(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
+                  [[maybe_unused]] std::span<const SphBrief> brief, const Use& use) const {
+    if constexpr (mixed) {
+      SphBrief own[W];
+      shorten(rows.subspan(pack * W, W), volume.subspan(pack * W, W), own);
+      use(SphProbes<Kernel, float, W>{}, 0, static_cast<const SphBrief*>(own), brief,
+          [brief](std::size_t row) { return brief[row].volume; });
+    } else {
+      for (std::size_t l = 0; l < W; l += probes)
+        use(SphProbes<Kernel, double, probes>{}, l, rows.data() + pack * W + l, rows,
+            [volume](std::size_t row) { return volume[row]; });
+    }
+  }
   using Place = std::conditional_t<
       mixed, typename PackOf<W, std::conditional_t<mixed, std::int32_t, double>>::type, Real>;
 

@@ -15,7 +15,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Sums of probes over the liquid, `width` probes at a time, one per lane: those of SphSeen.
+/// Sums of probes over the liquid, `width` probes at a time, one per lane: those of SphSeen, or of
+/// SphLevel.
 /// `Scalar` = float: with rows prepared by SphPairs::shorten(); sums of `chunk` are floats, all
 /// others doubles.
 template <class Kernel, class Scalar, std::size_t width>
@@ -25,9 +26,10 @@ struct SphProbes {
   using Whole = std::conditional_t<mixed, std::int32_t, double>;
   using Place = std::conditional_t<mixed, typename PackOf<width, Whole>::type, Real>;
   using Row = std::conditional_t<mixed, SphBrief, SphRow>;
-  static constexpr std::size_t chunk = 128, sums = 17;
+  static constexpr std::size_t chunk = 128, sums = 17, level_sums = 8;
 
-  /// Units of the rows, and weight of their volumes; densities of rows exclude `rest` [kg/m3].
+  /// Units of the rows, and weight of their volumes; densities of rows exclude `rest` [kg/m3], and
+  /// pressures are in `density speed^2`.
   struct Units {
     double length, speed, rest, density, weight, h;
   };
@@ -36,20 +38,67 @@ struct SphProbes {
   static void look(const Row* own, std::span<const Row> rows, const Volume& volume,
                    const ClusterLists& lists, std::span<const ClusterLists::Entry> entries,
                    const Units& in, SphSeen* out) {
-    alignas(64) Whole place[3][width];
-    for (std::size_t l = 0; l < width; ++l)
-      place[0][l] = own[l].x, place[1][l] = own[l].y, place[2][l] = own[l].z;
-    const Place here[3] = {load_place(place[0]), load_place(place[1]), load_place(place[2])};
-    const Scalar over_h = Scalar(in.length / in.h);
+    const Here here(own);
     alignas(64) double all[sums][width] = {};
-    const std::size_t part = mixed ? chunk : std::max(entries.size(), std::size_t{1});
-    for (std::size_t k = 0; k < entries.size(); k += part)
-      add(here, rows, volume, lists, entries.subspan(k, std::min(part, entries.size() - k)), in,
-          over_h, all);
+    for_parts(entries, [&](const auto& part) { add(here, rows, volume, lists, part, in, all); });
     put(all, in, out);
+  }
+  /// V K'(q)/q r, V W, V W r and V W P, with r from the other to the own.
+  template <class Volume>
+  static void look_at_level(const Row* own, std::span<const Row> rows, const Volume& volume,
+                            const ClusterLists& lists, std::span<const ClusterLists::Entry> entries,
+                            const Units& in, SphLevel* out) {
+    const Here here(own);
+    alignas(64) double all[level_sums][width] = {};
+    for_parts(entries,
+              [&](const auto& part) { add_level(here, rows, volume, lists, part, in, all); });
+    const double w = in.weight, x = w * in.length, slope = x / (in.h * in.h);
+    for (std::size_t l = 0; l < width; ++l)
+      out[l] = {{-slope * all[0][l], -slope * all[1][l], -slope * all[2][l]},
+                {-x * all[3][l], -x * all[4][l], -x * all[5][l]},
+                w * all[6][l],
+                w * in.density * in.speed * in.speed * all[7][l]};
   }
 
  private:
+  struct Here {
+    Place at[3];
+    explicit Here(const Row* own) {
+      alignas(64) Whole place[3][width];
+      for (std::size_t l = 0; l < width; ++l)
+        place[0][l] = own[l].x, place[1][l] = own[l].y, place[2][l] = own[l].z;
+      for (int d = 0; d < 3; ++d) at[d] = load_place(place[d]);
+    }
+  };
+  /// [length] From the own to the other.
+  struct Way {
+    Real x, y, z, square;
+  };
+  static SILT_INLINE Way way_to(const Here& here, const Row& b, const ClusterLists::Entry& entry,
+                                const ClusterLists& lists, const Units& in) {
+    Whole bx = b.x, by = b.y, bz = b.z;
+    if (entry.image() != ClusterLists::here) {
+      const Vec3d way = (1 / in.length) * lists.shift(entry.image());
+      bx += whole(way.x), by += whole(way.y), bz += whole(way.z);
+    }
+    const Real x = apart(bx, here.at[0]), y = apart(by, here.at[1]), z = apart(bz, here.at[2]);
+    return {x, y, z, x * x + y * y + z * z};
+  }
+  /// Sums of floats are short.
+  template <class Use>
+  static void for_parts(std::span<const ClusterLists::Entry> entries, const Use& use) {
+    const std::size_t part = mixed ? chunk : std::max(entries.size(), std::size_t{1});
+    for (std::size_t k = 0; k < entries.size(); k += part)
+      use(entries.subspan(k, std::min(part, entries.size() - k)));
+  }
+  template <std::size_t n>
+  static SILT_INLINE void add_to(double (&all)[n][width], const Real (&parts)[n]) {
+    alignas(64) Scalar values[width];
+    for (std::size_t c = 0; c < n; ++c) {
+      store(values, parts[c]);
+      for (std::size_t l = 0; l < width; ++l) all[c][l] += double{values[l]};
+    }
+  }
   static Place load_place(const Whole* from) {
     if constexpr (width == 1)
       return *from;
@@ -65,24 +114,18 @@ struct SphProbes {
       return xsimd::to_float(Place(b) - a);
   }
   template <class Volume>
-  static SILT_INLINE void add(const Place (&here)[3], std::span<const Row> rows,
-                              const Volume& volume, const ClusterLists& lists,
+  static SILT_INLINE void add(const Here& here, std::span<const Row> rows, const Volume& volume,
+                              const ClusterLists& lists,
                               std::span<const ClusterLists::Entry> entries, const Units& in,
-                              Scalar over_h, double (&all)[sums][width]) {
-    const Real zero(0);
+                              double (&all)[sums][width]) {
+    const Real zero(0), over_h(Scalar(in.length / in.h));
     Real n = zero, rho = zero, xx = zero, xy = zero, xz = zero, yy = zero, yz = zero, zz = zero;
     Real x = zero, y = zero, z = zero, rx = zero, ry = zero, rz = zero, u = zero, v = zero,
          w = zero;
     for (const auto entry : entries) {
       const Row& b = rows[entry.row()];
-      Whole bx = b.x, by = b.y, bz = b.z;
-      if (entry.image() != ClusterLists::here) {
-        const Vec3d way = (1 / in.length) * lists.shift(entry.image());
-        bx += whole(way.x), by += whole(way.y), bz += whole(way.z);
-      }
-      const Real dx = apart(bx, here[0]), dy = apart(by, here[1]), dz = apart(bz, here[2]);
-      const Real r2 = dx * dx + dy * dy + dz * dz;
-      const Real of = Real(volume(entry.row())) * Kernel::weight(Real(sqrt(r2) * Real(over_h)));
+      const auto [dx, dy, dz, r2] = way_to(here, b, entry, lists, in);
+      const Real of = Real(volume(entry.row())) * Kernel::weight(Real(sqrt(r2) * over_h));
       const Real wx = of * dx, wy = of * dy, wz = of * dz, d(b.density);
       n += of, x += wx, y += wy, z += wz;
       rho = multiply_add(of, d, rho), rx = multiply_add(wx, d, rx);
@@ -93,11 +136,26 @@ struct SphProbes {
       w = multiply_add(of, Real(b.vz), w);
     }
     const Real parts[sums] = {n, rho, x, y, z, rx, ry, rz, xx, xy, xz, yy, yz, zz, u, v, w};
-    alignas(64) Scalar values[width];
-    for (std::size_t c = 0; c < sums; ++c) {
-      store(values, parts[c]);
-      for (std::size_t l = 0; l < width; ++l) all[c][l] += double{values[l]};
+    add_to(all, parts);
+  }
+  template <class Volume>
+  static SILT_INLINE void add_level(const Here& here, std::span<const Row> rows,
+                                    const Volume& volume, const ClusterLists& lists,
+                                    std::span<const ClusterLists::Entry> entries, const Units& in,
+                                    double (&all)[level_sums][width]) {
+    const Real zero(0), over_h(Scalar(in.length / in.h));
+    Real sx = zero, sy = zero, sz = zero, x = zero, y = zero, z = zero, n = zero, p = zero;
+    for (const auto entry : entries) {
+      const Row& b = rows[entry.row()];
+      const auto [dx, dy, dz, r2] = way_to(here, b, entry, lists, in);
+      const Real q = sqrt(r2) * over_h, V(volume(entry.row()));
+      const Real f = V * Kernel::slope(q), of = V * Kernel::weight(q);
+      sx = multiply_add(f, dx, sx), sy = multiply_add(f, dy, sy), sz = multiply_add(f, dz, sz);
+      x = multiply_add(of, dx, x), y = multiply_add(of, dy, y), z = multiply_add(of, dz, z);
+      n += of, p = multiply_add(of, Real(b.pressure), p);
     }
+    const Real parts[level_sums] = {sx, sy, sz, x, y, z, n, p};
+    add_to(all, parts);
   }
   static Whole whole(double x) {
     if constexpr (mixed)

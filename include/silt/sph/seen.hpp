@@ -83,4 +83,11 @@ struct SphSeen {
   }
 };
 
+/// Sums of a particle over the liquid around it, with r from there: V grad W [1/m], V W [-],
+/// V W r [m] and V W P [Pa].
+struct SphLevel {
+  Vec3d slope{0, 0, 0}, way{0, 0, 0};
+  double weight = 0, pressure = 0;
+};
+
 }  // namespace silt::detail

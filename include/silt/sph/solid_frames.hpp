@@ -33,9 +33,11 @@ struct AffineMap {
 class SolidFrames {
  public:
   static constexpr std::uint32_t none = ~std::uint32_t{0};
-  struct Own {
-    Vec3d at, middle;     // [m] of the row; halfway between a particle and its image
-    std::uint32_t frame;  // none: stored with the particle
+  struct alignas(64) Own {
+    Vec3d at{0, 0, 0}, middle{0, 0, 0};  // [m] of the row; halfway between a particle and its image
+    std::uint32_t frame = none;          // none: stored with the particle
+    std::uint32_t wall_row = none;       // of an image: the row of its particle
+    double share = 1;                    // [-] of a particle's volume
   };
   std::vector<Own> rows;  // from the first row of walls on
 

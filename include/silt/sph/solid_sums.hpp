@@ -41,29 +41,41 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
   const Slip slip = core.setup.slip.value_or(Core::Viscosity::laminar ? Slip::None : Slip::Free);
   const std::size_t first = core.lists.first_pack(Lists::Probe), n = core.lists.packs() - first;
   if (slip == Slip::None) columns.sticking.resize(columns.size(), Vec3d{0, 0, 0});
+  // Particles lie scattered beside their images: they are fetched while the sums are made.
+  const auto fetch = [&](std::size_t pack) {
+    for (std::size_t row = pack * W; row < (pack + 1) * W; ++row) {
+      const std::uint32_t at = solids.of_row(row).wall_row;
+      if (at == Lists::none) continue;
+      __builtin_prefetch(&columns.rows[at], 1), __builtin_prefetch(&columns.volume[at], 1);
+      if (slip == Slip::None) __builtin_prefetch(&columns.sticking[at], 1);
+    }
+  };
   team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
     for (std::size_t p = first + from; p < first + to; ++p) {
+      fetch(p);
       std::array<SphSeen, W> seen{};
       if (!core.lists.liquid(p).empty())
         pairs.look(p, columns.rows, columns.volume, core.lists, seen, columns.brief);
       for (std::size_t l = 0; l < W; ++l) {
-        const std::uint32_t of = columns.label[p * W + l];
-        if (of == Lists::none || of >= solids.size()) continue;  // the latter: a grain
-        const std::size_t at = solids.wall_row[of];
-        if (core.lists.liquid(at / W).empty()) continue;  // far from all liquid
+        const std::size_t row = p * W + l;
+        const auto& own = solids.of_row(row);
+        const std::uint32_t at = own.wall_row;
+        if (at == Lists::none || core.lists.liquid(at / W).empty()) continue;  // or a grain
         auto& wall = columns.rows[at];
         const Vec3d away =
-            core.lists.repeats.shortest(wall.position() - columns.rows[p * W + l].position());
+            core.lists.repeats.shortest(wall.position() - columns.rows[row].position());
         const SphSeen::Mirrored image =
             seen[l].at(away, core.liquid, core.weight(), core.setup.h(), !solids.bodies.empty());
         wall.density = image.density, wall.pressure = core.liquid.pressure(image.density);
-        const Vec3d own = solids.velocity(of, p * W + l);
+        const Vec3d of_solid = solids.velocity(columns.label[row], row);
         const auto at_wall = [&](Slip how) {
-          return own + image.share * (sph_velocity_at_wall(image.velocity, own, away, how) - own);
+          return of_solid +
+                 image.share *
+                     (sph_velocity_at_wall(image.velocity, of_solid, away, how) - of_solid);
         };
         wall.move(at_wall(slip));
         if (slip == Slip::None) columns.sticking[at] = wall.velocity() - at_wall(Slip::Free);
-        columns.volume[at] = solids.share(of) * core.particle_mass() / image.density;
+        columns.volume[at] = own.share * core.particle_mass() / image.density;
       }
     }
   });

@@ -96,20 +96,22 @@ class SphSolids {
   /// Their own coordinates, when all walls and bodies are known.
   void find_frames(const SphColumns& columns) {
     const std::size_t first = first_row_;
-    frames_.rows.assign(columns.size() - first, {{}, {}, SolidFrames::none});
+    frames_.rows.assign(columns.size() - first, {});
     for (std::size_t k = 0; k < size(); ++k) {
       if (!has_row(k)) continue;
       const std::size_t body = k - walls.size();
       const bool goes_along = !plane && (!is_wall(k) || walls.goes_along(k));
       const Vec3d at = is_wall(k) ? walls.own_place(k) : bodies.own_place(body),
                   ghost = is_wall(k) ? walls.own_ghost(k) : bodies.own_ghost(body);
-      SolidFrames::Own own{at, 0.5 * (at + ghost), SolidFrames::none};
+      SolidFrames::Own own{at, 0.5 * (at + ghost)};
+      own.share = share(k);
       if (goes_along)
         own.frame = static_cast<std::uint32_t>(is_wall(k) ? walls.wall_of(k)
                                                           : walls.walls() + bodies.body_of(body));
       frames_.rows[wall_row[k] - first] = own;
       if (probe_row[k] == ClusterLists::none) continue;
-      own.at = ghost, frames_.rows[probe_row[k] - first] = own;
+      own.at = ghost, own.wall_row = wall_row[k];
+      frames_.rows[probe_row[k] - first] = own;
     }
   }
   /// [m/s] of the surface at the particle k, with its row or that of its image.
@@ -117,6 +119,8 @@ class SphSolids {
     const SolidFrames::Own& own = frames_.rows[row - first_row_];
     return own.frame == SolidFrames::none ? velocity(k) : frames_.velocity(own);
   }
+  /// What is stored with a row of walls, bodies and their images.
+  const SolidFrames::Own& of_row(std::size_t row) const { return frames_.rows[row - first_row_]; }
   bool has_row(std::size_t k) const { return wall_row[k] != ClusterLists::none; }
   bool have_rows(std::size_t grains) const {
     return wall_row.size() == size() && probe_row.size() == size() + grains;
