@@ -61,6 +61,7 @@ TEST_CASE("breakage: the books of a shower of grains close, of mass and of energ
   }
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE(
     "breakage: the same bits for any number of threads, with observers, and after a restart") {
   const auto run = [](int threads, bool observed) {
@@ -115,6 +116,7 @@ TEST_CASE(
   has(refusal([&] { silt::load_checkpoint(weaker, file); }), "the strength's");
   std::filesystem::remove_all(folder);
 }
+#endif
 
 TEST_CASE("breakage: the share that breaks at a plate is the selection function") {
   constexpr std::size_t count = 2000;

@@ -105,12 +105,14 @@ TEST_CASE("step of the smallest living: a swing over its changes is second order
   }
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("step of the smallest living: Gear's derivatives are those of the new step") {
   // Catches derivatives that are not rescaled: errors like those of the leapfrog.
   const Swing s = swing_error<silt::Gear>(1);
   CHECK(s.changes == 2);
   CHECK(s.error < 3e-6);  // 1.2e-6 (computed), of Leapfrog 3.6e-3
 }
+#endif
 
 TEST_CASE("step of the smallest living: it holds from the birth on, is that of the smallest one") {
   // Catches a first step of the fragments that is still the old one, and one for dust_below.
@@ -146,6 +148,7 @@ TEST_CASE("step of the smallest living: it holds from the birth on, is that of t
   has(refusal([&] { too_long.run(1e-6); }), "is above the limit");
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("step of the smallest living: pairs keep their momentum over a change in mid impact") {
   // Catches a change that shifts the velocity of one partner alone, or of spins not at all: then
   // what friction gives to translation is not what it takes from spins.
@@ -175,6 +178,7 @@ TEST_CASE("step of the smallest living: pairs keep their momentum over a change 
   CHECK(norm(angular - before.angular) < 1e-12 * R * norm(before.momentum));
   CHECK(norm(sim.angular_velocity(sim.find(1))) > 10);
 }
+#endif
 
 /// Pairs that meet at 8 m/s one after the other, so soft that the safeguard turns them; the last
 /// particle, which is not soft, is far away.
@@ -228,6 +232,7 @@ TEST_CASE("step of the smallest living: safeguards that act in each step do not 
   CHECK(sim.step_length() < step);
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE(
     "step of the smallest living: it holds for a small grain between a large one and a plate") {
   // The step is that of two equal small ones. Pressed by a large one, which has 27 to 3375 times
@@ -264,5 +269,6 @@ TEST_CASE(
       CHECK(std::abs(sim.energy().residual()) < 5e-5 * energy);
     }
 }
+#endif
 
 }  // namespace breakage_step_test

@@ -94,8 +94,10 @@ TEST_CASE(
     CHECK(searches.count < stream.births / 4);
   };
   run(box_of(heap()));
+#ifdef SILT_LONG_TESTS
   run(box_of(heap(), silt::Mixed{}));
   run(box_of(heap(), silt::EnergyLedger{}, silt::ContactEvents{}));
+#endif
 }
 
 TEST_CASE("edits: the bits of a stream depend on no thread, and go on from a checkpoint") {
@@ -151,8 +153,10 @@ TEST_CASE("edits: a velocity that is set is that of the instant, for the path an
   two.add({.position = {1, 0, 0}, .radius = 1e-3, .density = 2500});
   const silt::Contacts<HertzMindlin> contacts{rubber};
   run(silt::Simulation{two, contacts, silt::EnergyLedger{}}, 1e-5);
+#ifdef SILT_LONG_TESTS
   run(silt::Simulation{two, contacts, silt::EnergyLedger{}, silt::Mixed{}}, 1e-5);
   run(silt::Simulation{two, contacts, silt::EnergyLedger{}, silt::Gear{}}, 1e-5);
+#endif
 }
 
 // Catches derivatives that are not known yet, in a prediction.

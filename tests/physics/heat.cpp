@@ -171,6 +171,7 @@ TEST_CASE("heat: softened contacts conduct as their solids would under the same 
   };
   const double as_is = warmed(silt::Contacts<silt::HertzMindlin>{solid}, 0);
   CHECK(warmed(silt::Contacts<silt::HertzMindlin>{solid}, 1) == near(0.1 * as_is).epsilon(1e-9));
+#ifdef SILT_LONG_TESTS
   // (R/R_full)^(5/2) = 1e-3.
   using Soft = silt::Softened<silt::HertzMindlin>;
   const double full = R * std::pow(1e3, 0.4);
@@ -178,9 +179,11 @@ TEST_CASE("heat: softened contacts conduct as their solids would under the same 
         near(0.1 * as_is).epsilon(1e-9));
   CHECK(has(refusal([&] { warmed(silt::Contacts<silt::LinearSpring>{{.stiffness = 1e-6}}, 1); }),
             "no Young's modulus"));
+#endif
 }
 
 // Catches a lattice whose layers lose heat sideways, and a factor in H that one contact hides.
+#ifdef SILT_LONG_TESTS
 TEST_CASE("heat: a simple cubic lattice conducts 2 k a over its spacing") {
   constexpr std::size_t n = 4;
   const double step = 2 * R - d;
@@ -214,6 +217,7 @@ TEST_CASE("heat: a simple cubic lattice conducts 2 k a over its spacing") {
   const double k_e = (after - before) / 5e-5 / (n * step * n * step) / 1e3;
   CHECK(k_e == near(2 * 1.1 * std::sqrt(0.5 * R * d) / step).epsilon(1e-6));
 }
+#endif
 
 // Catches a flux that is held too long or too short, heat that one end gets for longer than the
 // other gives it, a choice of steps that ignores the rate.
