@@ -173,6 +173,7 @@ TEST_CASE("breakage: the mass balance knows grains that are added, removed and g
   CHECK(m.fed == near(m.present + m.left + m.dust).epsilon(1e-14));
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("breakage: ten thousand grains that burst in one step") {
   silt::Particles<silt::Sphere> feed;
   for (std::size_t k = 0; k < 10000; ++k)
@@ -197,5 +198,6 @@ TEST_CASE("breakage: ten thousand grains that burst in one step") {
   CHECK(std::abs(m.residual()) < 1e-12 * m.fed);
   CHECK(sums_of(sim).kinetic < (1 + 1e-3) * at_birth.kinetic + sim.energy().parting);
 }
+#endif
 
 }  // namespace breakage_runs_test
