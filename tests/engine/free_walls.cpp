@@ -103,6 +103,7 @@ Sim crowd(int threads) {
        .drive = silt::ServoForce{.direction = {0, 0, -1}, .force = 0.5, .max_speed = 0.2}});
   return sim;
 }
+#ifdef SILT_LONG_TESTS
 std::vector<double> wall_bits(const Sim& sim) {
   std::vector<double> all;
   for (std::size_t w = 0; w < sim.walls(); ++w) {
@@ -115,6 +116,7 @@ std::vector<double> wall_bits(const Sim& sim) {
   }
   return all;
 }
+#endif
 
 }  // namespace
 
