@@ -86,6 +86,7 @@ TEST_CASE("bonds: a packed lattice is one piece with a gap of 0.3 radii; with 0.
   CHECK(pieces(silt::MeshRegion(ball), 0.2) == 1);  // docs/code/bonds.cpp
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("bonds: bond_near bonds each pair once, across periodic faces too, and who is chosen") {
   silt::Simulation sim{silt::Particles<silt::Sphere>{}, silt::Contacts<silt::HertzMindlin>{glass},
                        silt::PeriodicBox{{{0, 0, 0}, {10 * R, 10 * R, 10 * R}}, {true, true, true}},
@@ -113,6 +114,7 @@ TEST_CASE("bonds: bond_near bonds each pair once, across periodic faces too, and
   CHECK(sim.bond_energy() < 1e-25);
   CHECK(silt::fragments(sim).spheres == std::vector<std::size_t>{125});
 }
+#endif
 
 TEST_CASE("bonds: a sheet with a fixed rim; two fixed ones are not bonded, and nobody complains") {
   auto net = silt::sheet({0, 0, 0}, {8 * R, 0, 0}, {0, 8 * R, 0}, 5, 5, grain);

@@ -100,6 +100,7 @@ TEST_CASE("unbond: a checkpoint keeps what is to break") {
   std::filesystem::remove(path);
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("bonds: they alone set the step where nothing moves yet and there is no gravity") {
   silt::Simulation sim{silt::Particles<silt::Sphere>{}, silt::Contacts<silt::HertzMindlin>{glass},
                        glue, silt::BodyForce{[](const silt::Seen& p) {
@@ -123,5 +124,6 @@ TEST_CASE("bonds: they alone set the step where nothing moves yet and there is n
                        }),
                        "nothing moves and there is no gravity"));
 }
+#endif
 
 }  // namespace unbond_test

@@ -61,6 +61,7 @@ TEST_CASE("breakage: the books of a shower of grains close, of mass and of energ
   }
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE(
     "breakage: the same bits for any number of threads, with observers, and after a restart") {
   const auto run = [](int threads, bool observed) {
@@ -115,6 +116,7 @@ TEST_CASE(
   has(refusal([&] { silt::load_checkpoint(weaker, file); }), "the strength's");
   std::filesystem::remove_all(folder);
 }
+#endif
 
 TEST_CASE("breakage: the share that breaks at a plate is the selection function") {
   constexpr std::size_t count = 2000;
@@ -171,6 +173,7 @@ TEST_CASE("breakage: the mass balance knows grains that are added, removed and g
   CHECK(m.fed == near(m.present + m.left + m.dust).epsilon(1e-14));
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("breakage: ten thousand grains that burst in one step") {
   silt::Particles<silt::Sphere> feed;
   for (std::size_t k = 0; k < 10000; ++k)
@@ -195,5 +198,6 @@ TEST_CASE("breakage: ten thousand grains that burst in one step") {
   CHECK(std::abs(m.residual()) < 1e-12 * m.fed);
   CHECK(sums_of(sim).kinetic < (1 + 1e-3) * at_birth.kinetic + sim.energy().parting);
 }
+#endif
 
 }  // namespace breakage_runs_test

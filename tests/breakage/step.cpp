@@ -105,12 +105,14 @@ TEST_CASE("step of the smallest living: a swing over its changes is second order
   }
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("step of the smallest living: Gear's derivatives are those of the new step") {
   // Catches derivatives that are not rescaled: errors like those of the leapfrog.
   const Swing s = swing_error<silt::Gear>(1);
   CHECK(s.changes == 2);
   CHECK(s.error < 3e-6);  // 1.2e-6 (computed), of Leapfrog 3.6e-3
 }
+#endif
 
 TEST_CASE("step of the smallest living: it holds from the birth on, is that of the smallest one") {
   // Catches a first step of the fragments that is still the old one, and one for dust_below.
@@ -146,6 +148,7 @@ TEST_CASE("step of the smallest living: it holds from the birth on, is that of t
   has(refusal([&] { too_long.run(1e-6); }), "is above the limit");
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("step of the smallest living: pairs keep their momentum over a change in mid impact") {
   // Catches a change that shifts the velocity of one partner alone, or of spins not at all: then
   // what friction gives to translation is not what it takes from spins.
@@ -175,6 +178,7 @@ TEST_CASE("step of the smallest living: pairs keep their momentum over a change 
   CHECK(norm(angular - before.angular) < 1e-12 * R * norm(before.momentum));
   CHECK(norm(sim.angular_velocity(sim.find(1))) > 10);
 }
+#endif
 
 /// Pairs that meet at 8 m/s one after the other, so soft that the safeguard turns them; the last
 /// particle, which is not soft, is far away.
@@ -201,6 +205,7 @@ auto pairs_to_turn(int count) {
   return sim;
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("step of the smallest living: a safeguard's turn in the step of the change is whole") {
   // Catches a turn that the change of the step makes a part of: the pair then sticks.
   for (int after = 0; after < 40; ++after) {
@@ -215,7 +220,9 @@ TEST_CASE("step of the smallest living: a safeguard's turn in the step of the ch
     CHECK(leaves == near(0.6 * 4).epsilon(0.02));
   }
 }
+#endif
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("step of the smallest living: safeguards that act in each step do not hold it up") {
   // Pairs that meet one step after the other. Catches a change that waits for a step without any.
   auto sim = pairs_to_turn(400);
@@ -227,7 +234,9 @@ TEST_CASE("step of the smallest living: safeguards that act in each step do not 
   CHECK(sim.safeguarded() - before > 20);
   CHECK(sim.step_length() < step);
 }
+#endif
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE(
     "step of the smallest living: it holds for a small grain between a large one and a plate") {
   // The step is that of two equal small ones. Pressed by a large one, which has 27 to 3375 times
@@ -264,5 +273,6 @@ TEST_CASE(
       CHECK(std::abs(sim.energy().residual()) < 5e-5 * energy);
     }
 }
+#endif
 
 }  // namespace breakage_step_test

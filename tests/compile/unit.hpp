@@ -10,7 +10,7 @@ struct UnitResult {
   std::size_t lanes;              // of its kernels in double
   std::string simulation;         // name of the simulation's type
   std::vector<double> positions;  // [m] three a particle
-  std::vector<double> mixed;      // [m] the same in mixed precision
+  std::vector<double> mixed;      // [m] the same in mixed precision, by the long tests
 };
 
 UnitResult plain_unit();

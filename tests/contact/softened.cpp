@@ -108,6 +108,7 @@ TEST_CASE("softened: the safeguard turns a deep impact with the restitution of t
   }
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("softened: on a wall, and pressed together again after the safeguard") {
   silt::Particles<silt::Sphere> spheres;
   spheres.add({{0, 0, 0.11e-3}, 0.1e-3, density, {0, 0, -10}});
@@ -140,6 +141,7 @@ TEST_CASE("softened: on a wall, and pressed together again after the safeguard")
   CHECK_THROWS_WITH_AS(press(1000 * density), doctest::Contains("overlap by"),
                        silt::SimulationError);
 }
+#endif
 
 TEST_CASE("softened: the force that the solid would have borne") {
   const auto p = Soft::mix({.solid = solid(0.5), .full_radius = 1}, {.solid = solid(0.5)},
@@ -163,6 +165,7 @@ TEST_CASE(
   CHECK(step_for(1e-3) / step_for(0) == near(10).epsilon(1e-12));
   CHECK(step_for(0.3e-3) / step_for(0) == near(3).epsilon(1e-12));
 
+#ifdef SILT_LONG_TESTS
   const auto run = [](auto... policy) {
     silt::Particles<silt::Sphere> spheres;
     spheres.fill({{0, 0, 0}, {0.004, 0.004, 0.004}},
@@ -180,6 +183,7 @@ TEST_CASE(
   const double lanes = run();
   CHECK(run(silt::KernelsFor<silt::OneLane>{}) == near(lanes).epsilon(1e-9));
   CHECK(run(silt::Mixed{}) == near(lanes).epsilon(1e-5));
+#endif
 }
 
 TEST_CASE("softened: what is refused") {

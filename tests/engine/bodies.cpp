@@ -144,6 +144,7 @@ TEST_CASE("A heap of bodies comes to rest, the same for any number of threads") 
   }
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("A run of bodies continued from a checkpoint has the same bits") {
   const std::string path = "bodies_checkpoint_test.silt";
   auto sim = heap(60);
@@ -164,6 +165,7 @@ TEST_CASE("A run of bodies continued from a checkpoint has the same bits") {
                   {"of another scene: form 0: "}));
   std::remove(path.c_str());
 }
+#endif
 
 TEST_CASE("Bodies in a periodic box collide across its faces as in the middle") {
   const auto run = [](const Vec3d& shift) {
@@ -247,6 +249,7 @@ TEST_CASE("Bodies that come without a radius have the size of their form as it w
       {"InletFlow.radius is not given"}));
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("The books of bodies close") {
   auto sim = heap(40, silt::EnergyLedger{});
   sim.run(0);
@@ -256,7 +259,9 @@ TEST_CASE("The books of bodies close") {
   CHECK(e.friction > 0);
   CHECK(std::abs(e.residual()) < 2e-3 * e.turned_over);
 }
+#endif
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("Pairs of bodies in float stay near those in double") {
   auto exact = heap(40);
   auto mixed = heap(40, silt::Mixed{});
@@ -269,6 +274,7 @@ TEST_CASE("Pairs of bodies in float stay near those in double") {
   CHECK(apart < 1e-6);
   CHECK(apart > 0);
 }
+#endif
 
 TEST_CASE("Particles of bodies refuse what makes no sense") {
   silt::Particles<MultiSphere> stones;

@@ -21,11 +21,13 @@ TEST_CASE("contact data: forces, torques and wall loads are those of the step, i
   auto sim = mixed_scene();
   CHECK(check_sums(sim, 6e-3, 200, 1e-9).contacts > 1000);
 }
+#ifdef SILT_LONG_TESTS
 TEST_CASE("contact data: the same in mixed precision") {
   // Loads are floats there: 6e-8 each, and cancel by a factor of ten or so.
   auto sim = mixed_scene<silt::Mixed>();
   CHECK(check_sums(sim, 6e-3, 100, 1e-5).contacts > 300);
 }
+#endif
 
 TEST_CASE("contact data: bodies of balls that share contacts, in a cylinder and a cone") {
   silt::Particles<silt::MultiSphere> p;
@@ -87,6 +89,7 @@ TEST_CASE("contact data: two spheres of different size, in numbers") {
   CHECK(seen == 1);
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("contact data: cohesion is a part of the normal force") {
   // DMT in a contact at rest that nothing presses: the pull 2 pi w R is all that is there, so that
   // it holds the elastic force.
@@ -106,6 +109,7 @@ TEST_CASE("contact data: cohesion is a part of the normal force") {
   });
   CHECK(seen == 1);
 }
+#endif
 
 TEST_CASE("contact data: a mesh's facets, and the corners of a floor") {
   // Three spheres on a floor of four triangles: over one triangle each, and on the common corner.

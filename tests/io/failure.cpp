@@ -237,6 +237,7 @@ TEST_CASE("what cannot be written hides nothing") {
   CHECK_THROWS_AS(sim.run(0.05, silt::on_failure(out / "file")), silt::FileError);
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("bodies are shown by their surfaces") {
   Folder out;
   silt::Particles<silt::SuperEllipsoid> p;
@@ -250,6 +251,7 @@ TEST_CASE("bodies are shown by their surfaces") {
   CHECK(content(out / "around.vtp").find("Name=\"role\"") != std::string::npos);
   CHECK(row(out / "contacts.csv", 1)[3] > 0);
 }
+#endif
 
 TEST_CASE("a run that does not fail leaves its last good state, and the same bits") {
   Folder out;

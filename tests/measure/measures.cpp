@@ -114,6 +114,7 @@ TEST_CASE("stress: of a compressed box the pressure on its walls, whole and in h
   CHECK(z.mean <= z.without_rattlers);
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("stress: of a periodic crystal that is pressed together, in closed form") {
   // A simple cubic lattice whose spheres overlap by d: F/a^2 along each axis, also where branches
   // go through the sides of the box.
@@ -138,6 +139,7 @@ TEST_CASE("stress: of a periodic crystal that is pressed together, in closed for
   CHECK(z.without_rattlers == 6);
   CHECK(silt::fabric(sim).xx == near(1.0 / 3).epsilon(1e-9));
 }
+#endif
 
 TEST_CASE("stress: of a gas that does not touch, the square of its velocities") {
   Particles<Sphere> p;

@@ -1,6 +1,7 @@
 # cmake -DHOW=find_package|add_subdirectory -DSOURCE=... -DBUILD=... -DWORK=... -DGENERATOR=... [-DOPTIONS=...]
-#       -P consume.cmake
-# Builds and runs a user's project against silt: installed to a folder of its own, or as a subfolder.
+#       -DLONG=ON|OFF -P consume.cmake
+# Builds and runs a user's project against silt: installed to a folder of its own, or as a subfolder, which is only
+# configured unless LONG is ON.
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE out ERROR_VARIABLE out)
   if(NOT status EQUAL 0)
@@ -31,6 +32,8 @@ else()
   set(where -DSILT_SOURCE_DIR=${SOURCE})
 endif()
 run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE}/tests/package -B ${WORK}/build -DCMAKE_BUILD_TYPE=Debug ${where} ${OPTIONS})
-run(${CMAKE_COMMAND} --build ${WORK}/build)
-run(${WORK}/build/consumer)
+if(LONG OR HOW STREQUAL "find_package")
+  run(${CMAKE_COMMAND} --build ${WORK}/build)
+  run(${WORK}/build/consumer)
+endif()
 file(REMOVE_RECURSE ${WORK})

@@ -312,6 +312,7 @@ TEST_CASE("charge: impacts on walls charge a sphere to q_inf (1 - exp(-n/n0))") 
 }
 
 // Catches charge that one end gets and the other does not lose.
+#ifdef SILT_LONG_TESTS
 TEST_CASE("charge: grains of two materials in a box exchange charge and keep its sum") {
   const auto shaken = [](int threads) {
     silt::Particles<silt::Sphere> p;
@@ -356,6 +357,7 @@ TEST_CASE("charge: grains of two materials in a box exchange charge and keep its
   for (std::size_t k = 0; k < 64; ++k)
     CHECK(again.field<ElectricCharge>(again.find(k)) == one.field<ElectricCharge>(one.find(k)));
 }
+#endif
 
 // Catches a step that does not know how fast charges swing.
 TEST_CASE("charge: a step that does not resolve the force is refused") {

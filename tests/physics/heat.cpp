@@ -72,6 +72,7 @@ auto unlike_contacts() {
 
 // Catches a conductance of 4 k a, of k_i + k_j for the mean, of a diameter for the radius, and
 // capacities that are interchanged.
+#ifdef SILT_LONG_TESTS
 TEST_CASE("heat: two spheres of unlike materials follow the exponential of Euler's steps") {
   const auto contacts = unlike_contacts();
   silt::Particles<silt::Sphere> p;
@@ -94,6 +95,7 @@ TEST_CASE("heat: two spheres of unlike materials follow the exponential of Euler
   CHECK(left == near(100 * std::exp(-rate * 10)).epsilon(rate * 10 * rate * 1e-3));
   CHECK(left < 60);
 }
+#endif
 
 // Catches walls with the wrong effective radius, ends that are interchanged, a wall that gives what
 // its particle does not get.
@@ -171,6 +173,7 @@ TEST_CASE("heat: softened contacts conduct as their solids would under the same 
   };
   const double as_is = warmed(silt::Contacts<silt::HertzMindlin>{solid}, 0);
   CHECK(warmed(silt::Contacts<silt::HertzMindlin>{solid}, 1) == near(0.1 * as_is).epsilon(1e-9));
+#ifdef SILT_LONG_TESTS
   // (R/R_full)^(5/2) = 1e-3.
   using Soft = silt::Softened<silt::HertzMindlin>;
   const double full = R * std::pow(1e3, 0.4);
@@ -178,9 +181,11 @@ TEST_CASE("heat: softened contacts conduct as their solids would under the same 
         near(0.1 * as_is).epsilon(1e-9));
   CHECK(has(refusal([&] { warmed(silt::Contacts<silt::LinearSpring>{{.stiffness = 1e-6}}, 1); }),
             "no Young's modulus"));
+#endif
 }
 
 // Catches a lattice whose layers lose heat sideways, and a factor in H that one contact hides.
+#ifdef SILT_LONG_TESTS
 TEST_CASE("heat: a simple cubic lattice conducts 2 k a over its spacing") {
   constexpr std::size_t n = 4;
   const double step = 2 * R - d;
@@ -214,6 +219,7 @@ TEST_CASE("heat: a simple cubic lattice conducts 2 k a over its spacing") {
   const double k_e = (after - before) / 5e-5 / (n * step * n * step) / 1e3;
   CHECK(k_e == near(2 * 1.1 * std::sqrt(0.5 * R * d) / step).epsilon(1e-6));
 }
+#endif
 
 // Catches a flux that is held too long or too short, heat that one end gets for longer than the
 // other gives it, a choice of steps that ignores the rate.
@@ -317,6 +323,7 @@ TEST_CASE(
 }
 
 // Catches a step by a particle's own conductivity where that of its partner limits the flow.
+#ifdef SILT_LONG_TESTS
 TEST_CASE("heat: silt's step is that of the pairs of materials that may meet") {
   const auto contacts = unlike_contacts();
   silt::Particles<silt::Sphere> p;
@@ -330,8 +337,10 @@ TEST_CASE("heat: silt's step is that of the pairs of materials that may meet") {
   const double k = 2 / (1 / 50.0 + 1 / 0.5);
   CHECK(sim.step_length() == near(8 * mass * 1e-4 / (12 * k * 2 * R)).epsilon(1e-9));
 }
+#endif
 
 // Catches a neighbour that goes on receiving from a particle which is no longer there.
+#ifdef SILT_LONG_TESTS
 TEST_CASE("heat: who has left gives nothing more, and a restart in between gives the same bits") {
   silt::HeatConduction heat = glass;
   heat.flux_every = 10;
@@ -359,6 +368,7 @@ TEST_CASE("heat: who has left gives nothing more, and a restart in between gives
   again.run(1e-2), whole.run(1e-2);
   for (std::size_t k = 0; k < 3; ++k) CHECK(temperature(again, k) == temperature(whole, k));
 }
+#endif
 
 TEST_CASE("heat: a step that does not resolve conduction, and values that make no sense") {
   auto sim = chain(3, {.conductivity = 400, .heat_capacity = 1e-3});

@@ -225,10 +225,12 @@ TEST_CASE("impact: the worst error of the restitution falls at the order of the 
 TEST_CASE(
     "impact: two spheres and a sphere on a wall rebound in a Simulation as the closed forms") {
   SUBCASE("Hertz-Mindlin") { compare_simulation(HertzMindlin{}, ZeroForce); }
+#ifdef SILT_LONG_TESTS
   SUBCASE("linear spring") { compare_simulation(LinearSpring{}, ZeroForce); }
   SUBCASE("linear spring, attraction kept") {
     compare_simulation(BasicLinearSpring<ZeroOverlap>{}, ZeroOverlap);
   }
+#endif
 }
 
 }  // namespace impact_test

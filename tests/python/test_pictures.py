@@ -551,6 +551,7 @@ class Drawn(Refuses, unittest.TestCase):
 
 
 class Speed(unittest.TestCase):
+    @needs("shapes")  # of the long tests, as this takes long
     def test_ten_thousand_spheres_and_a_thousand_bodies_in_seconds(self):
         """Catches bodies drawn point by point or patch by patch (half a minute and more)."""
         with tempfile.TemporaryDirectory() as folder:

@@ -399,6 +399,7 @@ TEST_CASE(
       "% too few room");
 }
 
+#ifdef SILT_LONG_TESTS
 TEST_CASE("SPH: liquid that is put where bodies of the Simulation are is taken out and counted") {
   Particles<Sphere> balls;
   balls.add({.position = {0.1, 0, 0.1}, .radius = 0.03, .density = 1000});
@@ -420,6 +421,7 @@ TEST_CASE("SPH: liquid that is put where bodies of the Simulation are is taken o
   sim.run(1e-4);
   CHECK(sim.fluid().displaced() == 2 * first);
 }
+#endif
 
 TEST_CASE("SPH: liquid inside a body names the body and its place") {
   const std::vector<Vec3d> at{{0.05, 0, 0.02}, {0.1, 0, 0.05}}, still(2, Vec3d{0, 0, 0}),

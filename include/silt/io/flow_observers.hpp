@@ -19,7 +19,7 @@
 /// pressures are equal at that place.
 /// Errors: InputError at the start of a run for a point without fluid, repeated names, and nothing
 ///         to measure.
-/// Tests:  tests/io/flow_observers.cpp.
+/// Tests:  tests/coupling/flow_observers.cpp.
 
 namespace silt::inline SILT_TARGET {
 
