@@ -82,6 +82,8 @@ void Simulation<Policies...>::advance(bool observed) {
     openings_.update(engine_, *this);
     if constexpr (has_breakage) looks = this->break_due(), observed |= looks;
     renew_lists();
+    if constexpr (has_ranks && has_breakage)  // weaker particles may have come from other ranks
+      if (engine_.lists.upkeep.searched_at == step_) breaks_.measure(engine_);
     if constexpr (has_breakage)
       if (has_ranks ? breaks_.some_born : !breaks_.events.empty())
         detail::leave_out_overlaps(engine_, breaks_.newborn_from);
