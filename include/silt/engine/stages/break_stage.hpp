@@ -150,6 +150,7 @@ class BreakStage {
   /// For breakage by force: the smallest strength of all particles.
   template <class Engine>
   void measure(const Engine& e) {
+    if constexpr (!Policy::by_force) return;
     weak_from = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < e.owners(); ++k)
       if (const double own = e.modules().template of<Policy>()[k].strength;
