@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # silt - BSD-3-Clause, see LICENSE
 # precompiled.sh SOURCE COMPILER CMAKE_OPTION...: a scene that is linked to silt::precompiled compiles no step of its
-# own, and writes the same files as one that compiles all.
+# own and no function that is no template, and writes the same files as one that compiles all. Scenes with a law of
+# their own, meshes, polyhedra or a liquid, which are not in the library, compile and run as well.
 set -eu
 source=$1 compiler=$2
 shift 2
@@ -22,6 +23,14 @@ if nm -C "$object" | grep -q ' [TW] .*NearLists<.*>::renew'; then
   echo "the scene compiles neighbour lists, which silt::precompiled has"
   exit 1
 fi
+if nm -C "$object" | grep -q ' [TW] .*write_vtp_points'; then
+  echo "the scene compiles write_vtp_points, which silt::precompiled has"
+  exit 1
+fi
+for program in own_law walls polyhedron_cells sph files; do
+  mkdir "$work/$program"
+  (cd "$work/$program" && "$work/build/$program" >/dev/null)
+done
 for program in scene plain; do
   mkdir "$work/$program"
   (cd "$work/$program" && "$work/build/$program" >/dev/null)

@@ -24,6 +24,24 @@
 #define SILT_PRECOMPILED_POLYHEDRA(FOR_EACH) \
   FOR_EACH(silt::Particles<silt::Polyhedron>, silt::Contacts<silt::HertzMindlin>)
 
+// What scenes compile beside a simulation: filling regions, and fields of VTK files.
+#define SILT_PRECOMPILED_FILL(extern_or_not, ...)                                \
+  namespace silt::inline SILT_TARGET {                                           \
+  extern_or_not template FillResult pack(const __VA_ARGS__&, const FillRequest&, \
+                                         std::span<const PlacedSphere>);         \
+  }
+#define SILT_PRECOMPILED_FIELD(extern_or_not, ...)                                        \
+  namespace silt::inline SILT_TARGET {                                                    \
+  extern_or_not template VtkFields& VtkFields::add(std::string_view, const __VA_ARGS__&); \
+  }
+#define SILT_PRECOMPILED_PIECES(extern_or_not)                      \
+  SILT_PRECOMPILED_FILL(extern_or_not, Box)                         \
+  SILT_PRECOMPILED_FIELD(extern_or_not, std::vector<float>)         \
+  SILT_PRECOMPILED_FIELD(extern_or_not, std::vector<double>)        \
+  SILT_PRECOMPILED_FIELD(extern_or_not, std::vector<std::uint64_t>) \
+  SILT_PRECOMPILED_FIELD(extern_or_not, std::vector<std::array<float, 3>>)
+
+SILT_PRECOMPILED_PIECES(extern)
 SILT_PRECOMPILED_SPHERES(SILT_DECLARE_SIMULATION)
 SILT_PRECOMPILED_SPHERES_MORE(SILT_DECLARE_SIMULATION)
 SILT_PRECOMPILED_BODIES(SILT_DECLARE_SIMULATION)

@@ -88,6 +88,12 @@ class Engine : public Tables<Composition> {
   [[no_unique_address]] std::conditional_t<of_ranks && Composition::has_breakage, bool, NoDue>
       breaks_due{};
 
+  // Defined outside of the class: silt::precompiled has them.
+  Engine();
+  Engine(Engine&&) = default;
+  Engine& operator=(Engine&&) = default;
+  ~Engine();
+
   void set_threads(int threads) {
     if (!team_ || team_->threads() != threads) team_ = std::make_unique<Team>(threads);
   }
@@ -332,6 +338,11 @@ class Engine : public Tables<Composition> {
   std::vector<std::uint16_t> kinds_;
   bool offsets_ = Composition::has_breakage;  // some pairs may have an offset (WithOffset)
 };
+
+template <class Composition>
+Engine<Composition>::Engine() {}
+template <class Composition>
+Engine<Composition>::~Engine() {}
 
 }  // namespace silt::detail
 

@@ -87,69 +87,17 @@ class VtkSeriesObserver {
       : folder_(std::move(folder)), schedule_(schedule), more_(std::move(more)) {}
 
   template <class Sim>
-  void begin(const Sim& sim, double) {
-    schedule_.begin(sim, only_reads);
-    if (std::exchange(begun_, true) || sim.rank() != 0) return;  // continues in another run
-    const double keep = sim.time() + 0.5 * sim.step_length();
-    const bool continues = sim.continues(folder_ + "/particles.pvd");
-    const auto open = [&](const char* name) {
-      return continues ? VtkSeries::resume(folder_, name, keep) : VtkSeries(folder_, name);
-    };
-    particles_ = open("particles"), walls_ = open("walls");
-    if constexpr (Sim::has_surfaces)
-      parts_ = open("surfaces");
-    else if constexpr (Sim::of_bodies)
-      parts_ = open("parts");
-    if constexpr (detail::FluidTraits<typename Sim::Fluid>::is_written) flow_ = open("flow");
-  }
+  void begin(const Sim& sim, double);
   template <class Sim>
   bool is_due(const Sim& sim) const {
     return schedule_.is_due(sim);
   }
   template <class Sim>
-  void operator()(const Sim& sim) {
-    const auto number = std::to_string(sim.step());
-    const auto file = [&](const char* name, const char* kind = ".vtp") {
-      return text(name, '_', std::string(9 - std::min<std::size_t>(9, number.size()), '0'), number,
-                  kind);
-    };
-    const auto list = [&](std::optional<VtkSeries>& series, const std::string& name) {
-      if (sim.rank() == 0) series->add(sim.time(), detail::listed_file(sim, name));
-    };
-    write_particles(text(folder_, '/', file("particles")), sim, more_);
-    list(particles_, file("particles"));
-    if constexpr (Sim::has_surfaces) {
-      write_surfaces(text(folder_, '/', file("surfaces")), sim);
-      list(parts_, file("surfaces"));
-    } else if constexpr (Sim::of_bodies) {
-      write_parts(text(folder_, '/', file("parts")), sim);
-      list(parts_, file("parts"));
-    }
-    if constexpr (detail::FluidTraits<typename Sim::Fluid>::is_written) {
-      const auto name = file("flow", Sim::Fluid::file_kind);
-      sim.fluid().write(text(folder_, '/', name));
-      flow_->add(sim.time(), name);
-    }
-    if (sim.walls() > 0) write_walls_once(sim, file("walls"));
-    schedule_.mark(sim);
-  }
+  void operator()(const Sim& sim);
 
  private:
   template <class Sim>
-  void write_walls_once(const Sim& sim, const std::string& file) {
-    const Box around = detail::wall_region(sim);
-    if (sim.rank() != 0 || detail::is_empty(around)) return;
-    WallTriangles now = wall_triangles(sim, around);
-    if (wall_file_.empty() || now != shown_) {
-      const std::string before = wall_file_.empty() ? walls_->last_file() : std::string();
-      wall_file_ = file, shown_ = std::move(now);
-      write_walls(text(folder_, '/', file), shown_);
-      if (!before.empty() &&
-          detail::replaced_by(text(folder_, '/', file), text(folder_, '/', before)))
-        wall_file_ = before;
-    }
-    walls_->add(sim.time(), wall_file_);
-  }
+  void write_walls_once(const Sim& sim, const std::string& file);
 
   std::string folder_;
   Schedule schedule_;
@@ -159,6 +107,70 @@ class VtkSeriesObserver {
   WallTriangles shown_;                                        // of the last frame
   std::string wall_file_;                                      // where they are
 };
+
+template <class More>
+template <class Sim>
+void VtkSeriesObserver<More>::begin(const Sim& sim, double) {
+  schedule_.begin(sim, only_reads);
+  if (std::exchange(begun_, true) || sim.rank() != 0) return;  // continues in another run
+  const double keep = sim.time() + 0.5 * sim.step_length();
+  const bool continues = sim.continues(folder_ + "/particles.pvd");
+  const auto open = [&](const char* name) {
+    return continues ? VtkSeries::resume(folder_, name, keep) : VtkSeries(folder_, name);
+  };
+  particles_ = open("particles"), walls_ = open("walls");
+  if constexpr (Sim::has_surfaces)
+    parts_ = open("surfaces");
+  else if constexpr (Sim::of_bodies)
+    parts_ = open("parts");
+  if constexpr (detail::FluidTraits<typename Sim::Fluid>::is_written) flow_ = open("flow");
+}
+
+template <class More>
+template <class Sim>
+void VtkSeriesObserver<More>::operator()(const Sim& sim) {
+  const auto number = std::to_string(sim.step());
+  const auto file = [&](const char* name, const char* kind = ".vtp") {
+    return text(name, '_', std::string(9 - std::min<std::size_t>(9, number.size()), '0'), number,
+                kind);
+  };
+  const auto list = [&](std::optional<VtkSeries>& series, const std::string& name) {
+    if (sim.rank() == 0) series->add(sim.time(), detail::listed_file(sim, name));
+  };
+  write_particles(text(folder_, '/', file("particles")), sim, more_);
+  list(particles_, file("particles"));
+  if constexpr (Sim::has_surfaces) {
+    write_surfaces(text(folder_, '/', file("surfaces")), sim);
+    list(parts_, file("surfaces"));
+  } else if constexpr (Sim::of_bodies) {
+    write_parts(text(folder_, '/', file("parts")), sim);
+    list(parts_, file("parts"));
+  }
+  if constexpr (detail::FluidTraits<typename Sim::Fluid>::is_written) {
+    const auto name = file("flow", Sim::Fluid::file_kind);
+    sim.fluid().write(text(folder_, '/', name));
+    flow_->add(sim.time(), name);
+  }
+  if (sim.walls() > 0) write_walls_once(sim, file("walls"));
+  schedule_.mark(sim);
+}
+
+template <class More>
+template <class Sim>
+void VtkSeriesObserver<More>::write_walls_once(const Sim& sim, const std::string& file) {
+  const Box around = detail::wall_region(sim);
+  if (sim.rank() != 0 || detail::is_empty(around)) return;
+  WallTriangles now = wall_triangles(sim, around);
+  if (wall_file_.empty() || now != shown_) {
+    const std::string before = wall_file_.empty() ? walls_->last_file() : std::string();
+    wall_file_ = file, shown_ = std::move(now);
+    write_walls(text(folder_, '/', file), shown_);
+    if (!before.empty() &&
+        detail::replaced_by(text(folder_, '/', file), text(folder_, '/', before)))
+      wall_file_ = before;
+  }
+  walls_->add(sim.time(), wall_file_);
+}
 
 template <class More>
 VtkSeriesObserver<More> vtk_series(std::string folder, Schedule schedule, More more) {

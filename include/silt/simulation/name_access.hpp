@@ -104,44 +104,14 @@ class NameAccess {
  protected:
   /// Checked before a run, and after an observer has changed the scene. InputError: two materials
   /// that may touch have no pair value. Materials of walls only never touch each other.
-  void check_pairs() const {
-    const auto& contacts = sim().contacts_;
-    const std::size_t n = contacts.materials();
-    const std::size_t of_particles = Sim::ContactsType::several_materials ? n : 1;
-    std::vector<bool> moves;  // per material: whether particles have it, or will
-    for (std::size_t a = 0; a < of_particles; ++a)
-      for (std::size_t b = 0; b < n; ++b) {
-        if (contacts.has_pair(a, b)) continue;
-        if (moves.empty()) moves = of_particles_to_come();
-        if (moves[a] || moves[b])
-          throw InputError(contacts.lacking_pair(a, b) + of_walls(a) + of_walls(b));
-      }
-  }
+  void check_pairs() const;
 
  private:
   /// The time step is checked against its limit at the next run.
   void contacts_changed() { sim().scene_changed_ = true, sim().checked_speed_ = 0; }
-  std::vector<bool> of_particles_to_come() const {
-    std::vector<bool> has(sim().contacts_.materials(), false);
-    if constexpr (!Sim::ContactsType::several_materials) has[0] = true;
-    for (std::size_t k = 0; k < sim().rows(); ++k)
-      if (sim().is_present(k)) has[sim().material(k)] = true;
-    for (std::size_t k = 0; k < sim().inlets(); ++k) {
-      const InletFlow& flow = sim().inlet(k).flow;
-      for (std::size_t kind = 0; kind < flow.kinds(); ++kind)
-        if (flow.kind(kind).material < has.size()) has[flow.kind(kind).material] = true;
-    }
-    return has;
-  }
+  std::vector<bool> of_particles_to_come() const;
   /// "; material 1 'steel' is that of wall 0 'drum' and wall 2"; empty if no wall has it.
-  [[gnu::cold]] std::string of_walls(std::size_t material) const {
-    std::string words;
-    for (std::size_t w = 0; w < sim().walls(); ++w)
-      if (sim().wall(w).material == material)
-        words += text(words.empty() ? text("; ", material_name(material), " is that of ") : " and ",
-                      sim().wall_name(w));
-    return words;
-  }
+  [[gnu::cold]] std::string of_walls(std::size_t material) const;
   Sim& sim() { return static_cast<Sim&>(*this); }
   const Sim& sim() const { return static_cast<const Sim&>(*this); }
   template <class S>
@@ -150,5 +120,44 @@ class NameAccess {
                     "add_form(shape, name)");
   }
 };
+
+template <class Sim>
+void NameAccess<Sim>::check_pairs() const {
+  const auto& contacts = sim().contacts_;
+  const std::size_t n = contacts.materials();
+  const std::size_t of_particles = Sim::ContactsType::several_materials ? n : 1;
+  std::vector<bool> moves;  // per material: whether particles have it, or will
+  for (std::size_t a = 0; a < of_particles; ++a)
+    for (std::size_t b = 0; b < n; ++b) {
+      if (contacts.has_pair(a, b)) continue;
+      if (moves.empty()) moves = of_particles_to_come();
+      if (moves[a] || moves[b])
+        throw InputError(contacts.lacking_pair(a, b) + of_walls(a) + of_walls(b));
+    }
+}
+
+template <class Sim>
+std::vector<bool> NameAccess<Sim>::of_particles_to_come() const {
+  std::vector<bool> has(sim().contacts_.materials(), false);
+  if constexpr (!Sim::ContactsType::several_materials) has[0] = true;
+  for (std::size_t k = 0; k < sim().rows(); ++k)
+    if (sim().is_present(k)) has[sim().material(k)] = true;
+  for (std::size_t k = 0; k < sim().inlets(); ++k) {
+    const InletFlow& flow = sim().inlet(k).flow;
+    for (std::size_t kind = 0; kind < flow.kinds(); ++kind)
+      if (flow.kind(kind).material < has.size()) has[flow.kind(kind).material] = true;
+  }
+  return has;
+}
+
+template <class Sim>
+std::string NameAccess<Sim>::of_walls(std::size_t material) const {
+  std::string words;
+  for (std::size_t w = 0; w < sim().walls(); ++w)
+    if (sim().wall(w).material == material)
+      words += text(words.empty() ? text("; ", material_name(material), " is that of ") : " and ",
+                    sim().wall_name(w));
+  return words;
+}
 
 }  // namespace silt::detail
