@@ -153,7 +153,9 @@ void check(const AddForms& forms, double pull, double limit) {
       CHECK(std::abs(many.energies[k] - one.energies[k]) < 1e4 * limit * one.turned_over);
     }
     REQUIRE(many.kinds.size() == one.kinds.size());
-    for (const auto& [id, kind] : one.kinds) {
+    for (const auto& of_one : one.kinds) {
+      const auto id = of_one.first;
+      const auto& kind = of_one.second;
       CAPTURE(id);
       CHECK(many.kinds[id][0] == kind[0]);
       CHECK(many.kinds[id][1] == near(kind[1]).epsilon(1e-12));

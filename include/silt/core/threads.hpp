@@ -44,10 +44,15 @@ class Team {
   static constexpr std::size_t most_ranges = 64;
 
   /// Calls body(range, from, to) for consecutive ranges that cover 0 ... n-1. Ranges are numbered
-  /// from 0, at most most_ranges; they depend only on n.
+  /// from 0, at most most_ranges; they depend only on n and on `least`, the number of items that
+  /// are worth a range: 256 particles, or fewer of what takes longer.
   template <class Body>
   void for_ranges(std::size_t n, const Body& body) const {
-    const std::size_t ranges = std::clamp<std::size_t>(n / 256, 1, most_ranges);
+    for_ranges(n, 256, body);
+  }
+  template <class Body>
+  void for_ranges(std::size_t n, std::size_t least, const Body& body) const {
+    const std::size_t ranges = std::clamp<std::size_t>(n / least, 1, most_ranges);
     for_parts(ranges, [&](std::size_t r) { body(r, n * r / ranges, n * (r + 1) / ranges); });
   }
 

@@ -81,8 +81,8 @@ class BodyPoints {
   /// body; the first of a sphere, which is not rotated.
   template <class Visit>
   void for_those_that_go_farthest(const Visit& visit) const {
-    for (std::size_t k = 0; k < points_.size(); ++k)
-      if (tells_way(k)) visit(k);
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+      for (std::size_t k = begin_[b]; k < begin_[b + 1] && tells_way(k); ++k) visit(k);
   }
   bool tells_way(std::size_t k) const {
     return bodies[points_[k].body].form != sphere || k == 0 ||

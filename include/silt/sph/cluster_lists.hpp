@@ -65,6 +65,7 @@ class ClusterLists {
   static constexpr std::uint32_t here = 13;          // image number of the particle itself
   static constexpr std::uint32_t none = ~std::uint32_t{0};
   static constexpr std::size_t most_width = 16;
+  static constexpr std::size_t packs_a_range = 16;  // worth a range of Team::for_ranges
 
   std::size_t width = 8;  // particles a pack, at most most_width
   double spacing = 0;     // [m] of particles
@@ -280,7 +281,7 @@ class ClusterLists {
            static_cast<std::size_t>(j);
   }
   static void sort_columns(Group& g, std::span<const SphRow>, const Team& team) {
-    team.for_ranges(g.begin.size() - 1, [&](std::size_t, std::size_t from, std::size_t to) {
+    team.for_ranges(g.begin.size() - 1, 16, [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t c = from; c < to; ++c)
         std::sort(
             g.sorted.begin() + static_cast<std::ptrdiff_t>(g.begin[c]),

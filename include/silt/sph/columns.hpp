@@ -51,34 +51,43 @@ struct SphColumns {
   }
   /// Applies an order of ClusterLists.
   void arrange(const std::vector<std::uint32_t>& order, const Team& team) {
-    permute(rows, order, SphRow::nobody(), team), permute(start, order, SphRow::nobody(), team);
-    permute(kind, order, static_cast<char>(ClusterLists::Gone), team);
-    permute(label, order, ClusterLists::none, team);
+    for (auto* const of : {&rows, &start}) permute(*of, spare_.rows, order, SphRow::nobody(), team);
+    permute(kind, spare_.kind, order, static_cast<char>(ClusterLists::Gone), team);
+    permute(label, spare_.label, order, ClusterLists::none, team);
     if (!voidage.empty())
-      for (auto* const of : {&voidage, &share, &fullness}) permute(*of, order, 1.0, team);
+      for (auto* const of : {&voidage, &share, &fullness})
+        permute(*of, spare_.numbers, order, 1.0, team);
     make_room(volume, size()), make_room(rates, size());
   }
   double share_of(std::size_t k) const { return share.empty() ? 1 : share[k]; }
   double voidage_of(std::size_t k) const { return voidage.empty() ? 1 : voidage[k]; }
   std::size_t bytes() const {
-    return (rows.capacity() + start.capacity()) * sizeof(SphRow) + kind.capacity() +
-           label.capacity() * sizeof(std::uint32_t) +
-           (volume.capacity() + 3 * voidage.capacity()) * sizeof(double) +
+    return (rows.capacity() + start.capacity() + spare_.rows.capacity()) * sizeof(SphRow) +
+           2 * kind.capacity() + 2 * label.capacity() * sizeof(std::uint32_t) +
+           (volume.capacity() + 4 * voidage.capacity()) * sizeof(double) +
            (sticking.capacity() * sizeof(Vec3d)) + rates.capacity() * sizeof(SphRates) +
            brief.capacity() * sizeof(SphBrief) + stress.capacity() * sizeof(SphStress);
   }
 
  private:
   template <class Column, class Value>
-  static void permute(Column& column, const std::vector<std::uint32_t>& order, const Value& nobody,
-                      const Team& team) {
-    Column next(order.size());
+  static void permute(Column& column, Column& next, const std::vector<std::uint32_t>& order,
+                      const Value& nobody, const Team& team) {
+    next.resize(order.size());
     team.for_ranges(order.size(), [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k)
         next[k] = order[k] == ClusterLists::none ? nobody : column[order[k]];
     });
     column.swap(next);
   }
+
+  // Memory for permute(): fresh pages at each search would cost more than the copies.
+  struct Spare {
+    AlignedVector<SphRow> rows;
+    std::vector<char> kind;
+    std::vector<std::uint32_t> label;
+    AlignedVector<double> numbers;
+  } spare_;
 };
 
 }  // namespace silt::detail

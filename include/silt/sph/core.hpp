@@ -229,13 +229,14 @@ struct SphCore {
     if constexpr (Pairs::mixed) {
       constexpr std::size_t W = Pairs::W;
       make_room(columns.brief, columns.size());
-      team.for_ranges(last - first, [&](std::size_t, std::size_t from, std::size_t to) {
-        for (std::size_t p = first + from; p < first + to; ++p) {
-          const auto part = [&](auto& of) { return std::span(of).subspan(p * W, W); };
-          if (is_seen(p))
-            pairs.shorten(part(columns.rows), part(columns.volume), part(columns.brief));
-        }
-      });
+      team.for_ranges(
+          last - first, Lists::packs_a_range, [&](std::size_t, std::size_t from, std::size_t to) {
+            for (std::size_t p = first + from; p < first + to; ++p) {
+              const auto part = [&](auto& of) { return std::span(of).subspan(p * W, W); };
+              if (is_seen(p))
+                pairs.shorten(part(columns.rows), part(columns.volume), part(columns.brief));
+            }
+          });
     }
   }
   double stable_step() const { return stable_step(setup.courant); }
@@ -329,11 +330,12 @@ struct SphCore {
     if constexpr (turbulent) {
       columns.stress.assign(columns.size(), {});
       const SpsSums<Kernel> sums = sps();
-      team.for_ranges(
-          lists.first_pack(Lists::Wall), [&](std::size_t, std::size_t from, std::size_t to) {
-            for (std::size_t p = from; p < to; ++p)
-              sums.stresses(p, Pairs::W, columns.rows, columns.volume, lists, columns.stress);
-          });
+      team.for_ranges(lists.first_pack(Lists::Wall), Lists::packs_a_range,
+                      [&](std::size_t, std::size_t from, std::size_t to) {
+                        for (std::size_t p = from; p < to; ++p)
+                          sums.stresses(p, Pairs::W, columns.rows, columns.volume, lists,
+                                        columns.stress);
+                      });
     }
   }
   /// Moves walls to the time of these rates.

@@ -60,11 +60,12 @@ class DryGaps {
     }
     look_at_walls(core, team);
     look_at_liquid(core, team);
-    for (std::size_t from = 0, to = 0; from < sites_.size(); from = to) {
-      while (to < sites_.size() && of.body_of(sites_[to].point) == of.body_of(sites_[from].point))
-        ++to;
-      push(core, from, to);
-    }
+    std::array<std::vector<Push>, Team::most_ranges> parts;
+    const std::size_t groups = groups_.size() - 1;
+    team.for_ranges(groups, 4, [&](std::size_t range, std::size_t from, std::size_t to) {
+      for (std::size_t b = from; b < to; ++b) push(core, groups_[b], groups_[b + 1], parts[range]);
+    });
+    for (const auto& part : parts) pushes_.insert(pushes_.end(), part.begin(), part.end());
   }
 
  private:
@@ -120,7 +121,7 @@ class DryGaps {
     const double reach = 2 * core.setup.h(),
                  slack = walls.size() > 0 ? core.lists.slack(core.solids.wall_row[0]) : INFINITY;
     std::array<std::vector<Site>, Team::most_ranges> parts;
-    team.for_ranges(of.bodies.size(), [&](std::size_t range, std::size_t from, std::size_t to) {
+    team.for_ranges(of.bodies.size(), 4, [&](std::size_t range, std::size_t from, std::size_t to) {
       for (std::size_t b = from; b < to; ++b) {
         const std::size_t first = of.begin()[b], last = of.begin()[b + 1];
         if (!is_wet(core, first, last)) continue;
@@ -131,8 +132,11 @@ class DryGaps {
           if (walls.distance(surface(of, k)) < near) parts[range].push_back({k});
       }
     });
-    sites_.clear(), seats_.clear();
+    sites_.clear(), seats_.clear(), groups_.assign(1, 0);
     for (const auto& part : parts) sites_.insert(sites_.end(), part.begin(), part.end());
+    for (std::size_t n = 1; n <= sites_.size(); ++n)
+      if (n == sites_.size() || of.body_of(sites_[n].point) != of.body_of(sites_[n - 1].point))
+        groups_.push_back(n);
     for (std::size_t n = 0; n < sites_.size(); ++n)
       if (const std::size_t k = walls.size() + sites_[n].point; core.solids.has_row(k))
         seats_.push_back({core.solids.wall_row[k], n});
@@ -158,7 +162,7 @@ class DryGaps {
   }
   template <class Core>
   void look_at_walls(const Core& core, const Team& team) {
-    team.for_ranges(sites_.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+    team.for_ranges(sites_.size(), 32, [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t n = from; n < to; ++n) {
         const Vec3d x = surface(core.solids.bodies, sites_[n].point);
         const auto wall = core.solids.walls.nearest(x);
@@ -174,7 +178,8 @@ class DryGaps {
     const auto& of = core.columns;
     const Vec3d rho_g = core.liquid.density * core.weight();
     const double reach = 2 * core.setup.h();
-    team.for_ranges(packs_.size() - 1, [&](std::size_t, std::size_t from, std::size_t to) {
+    constexpr std::size_t least = ClusterLists::packs_a_range;
+    team.for_ranges(packs_.size() - 1, least, [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t p = from; p < to; ++p) {
         const std::span seats(seats_.data() + packs_[p], packs_[p + 1] - packs_[p]);
         if (std::none_of(seats.begin(), seats.end(),
@@ -194,7 +199,7 @@ class DryGaps {
   }
   /// Forces on one body, wall by wall.
   template <class Core>
-  void push(const Core& core, std::size_t first, std::size_t last) {
+  void push(const Core& core, std::size_t first, std::size_t last, std::vector<Push>& out) const {
     const double s = core.setup.spacing, V = core.setup.volume();
     const Vec3d rho_g = core.liquid.density * core.weight();
     const double reach = 2 * core.setup.h();
@@ -217,15 +222,16 @@ class DryGaps {
       const double p = level / weight + dot(rho_g, site.surface);
       if (!(share > 0 && p > 0)) continue;
       const double volume = V * core.solids.bodies.share(site.point);
-      pushes_.push_back({site.point, site.wall, -2 * share * volume * p * (all - site.slope)});
+      out.push_back({site.point, site.wall, -2 * share * volume * p * (all - site.slope)});
     }
   }
 
   std::uint64_t made_ = 0, listed_ = 0;  // versions of the points and of the lists
   std::vector<Vec3d> own_;   // [1/m] sum of V grad W over a body's own particles, in its frame
   std::vector<Site> sites_;  // body by body
-  std::vector<Seat> seats_;  // of those that have a row, in its order
-  std::vector<std::size_t> packs_{0};  // first seat of each pack, and the end
+  std::vector<std::size_t> groups_{0};  // first site of each body, and the end
+  std::vector<Seat> seats_;             // of those that have a row, in its order
+  std::vector<std::size_t> packs_{0};   // first seat of each pack, and the end
   std::vector<Push> pushes_;
 };
 

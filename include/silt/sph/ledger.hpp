@@ -203,10 +203,11 @@ SphPowers sph_powers(Core& core, const Team& team) {
     const auto sps = core.sps();
     AlignedVector<SphRates> by(of.size());
     const std::size_t solid = core.lists.first_pack(Lists::Probe);
-    team.for_ranges(solid, [&](std::size_t, std::size_t from, std::size_t to) {
-      for (std::size_t p = from; p < to; ++p)
-        sps.accelerate(p, W, of.rows, of.volume, of.stress, core.lists, by, p < packs);
-    });
+    team.for_ranges(
+        solid, Lists::packs_a_range, [&](std::size_t, std::size_t from, std::size_t to) {
+          for (std::size_t p = from; p < to; ++p)
+            sps.accelerate(p, W, of.rows, of.volume, of.stress, core.lists, by, p < packs);
+        });
     for (std::size_t k = 0; k < first; ++k)
       if (of.label[k] != Lists::none)
         all.turbulent += core.mass_of(k) * dot(of.rows[k].velocity(), by[k].acceleration);

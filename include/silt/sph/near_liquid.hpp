@@ -100,7 +100,7 @@ class NearLiquid {
     const auto up = static_cast<std::size_t>(most) + 1, all = columns() * words_;
     tall_.assign(up * all, 0);  // dilated along z by 0, 1, ... cells
     near_.assign(all, 0);
-    team.for_ranges(columns(), [&](std::size_t, std::size_t first, std::size_t last) {
+    team.for_ranges(columns(), 16, [&](std::size_t, std::size_t first, std::size_t last) {
       for (std::size_t c = first * words_; c < last * words_; ++c) tall_[c] = wet_[c];
       for (std::size_t k = 1; k < up; ++k)
         for (std::size_t c = first; c < last; ++c)
@@ -111,7 +111,7 @@ class NearLiquid {
             tall_[k * all + c * words_ + w] = of[w] | of[w] << 1 | below | of[w] >> 1 | above;
           }
     });
-    team.for_ranges(columns(), [&](std::size_t, std::size_t first, std::size_t last) {
+    team.for_ranges(columns(), 16, [&](std::size_t, std::size_t first, std::size_t last) {
       for (std::size_t c = first; c < last; ++c) {
         const int i = static_cast<int>(c / static_cast<std::size_t>(cells_[1])),
                   j = static_cast<int>(c % static_cast<std::size_t>(cells_[1]));

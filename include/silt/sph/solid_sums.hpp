@@ -50,7 +50,7 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
       if (slip == Slip::None) __builtin_prefetch(&columns.sticking[at], 1);
     }
   };
-  team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
+  team.for_ranges(n, Lists::packs_a_range, [&](std::size_t, std::size_t from, std::size_t to) {
     for (std::size_t p = first + from; p < first + to; ++p) {
       fetch(p);
       std::array<SphSeen, W> seen{};
@@ -89,7 +89,7 @@ void sph_solid_rates(Core& core, const Team& team, const IsAsked& is_asked) {
   auto& of = core.columns;
   const std::size_t first = core.lists.first_pack(Lists::Wall),
                     n = core.lists.first_pack(Lists::Probe) - first;
-  team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
+  team.for_ranges(n, Lists::packs_a_range, [&](std::size_t, std::size_t from, std::size_t to) {
     for (std::size_t p = first + from; p < first + to; ++p) {
       if (!is_asked(p)) continue;
       pairs.of_wall(p, of.rows, of.volume, core.lists, of.rates, of.brief);
@@ -177,7 +177,7 @@ void sph_body_loads(Core& core, const Team& team) {
   core.in_step.assign(driven ? solids.walls.walls() : 0, {});
   if (driven) sph_driven_loads(core, core.in_step);
   const std::vector<std::size_t>& begin = of.begin();
-  team.for_ranges(of.bodies.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+  team.for_ranges(of.bodies.size(), 4, [&](std::size_t, std::size_t from, std::size_t to) {
     for (std::size_t b = from; b < to; ++b) {
       auto& body = of.bodies[b];
       for (std::size_t k = first + begin[b]; k < first + begin[b + 1]; ++k) {

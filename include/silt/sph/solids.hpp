@@ -94,25 +94,27 @@ class SphSolids {
     first_row_ = first, frames_.rows.clear();
   }
   /// Their own coordinates, when all walls and bodies are known.
-  void find_frames(const SphColumns& columns) {
+  void find_frames(const SphColumns& columns, const Team& team) {
     const std::size_t first = first_row_;
     frames_.rows.assign(columns.size() - first, {});
-    for (std::size_t k = 0; k < size(); ++k) {
-      if (!has_row(k)) continue;
-      const std::size_t body = k - walls.size();
-      const bool goes_along = !plane && (!is_wall(k) || walls.goes_along(k));
-      const Vec3d at = is_wall(k) ? walls.own_place(k) : bodies.own_place(body),
-                  ghost = is_wall(k) ? walls.own_ghost(k) : bodies.own_ghost(body);
-      SolidFrames::Own own{at, 0.5 * (at + ghost)};
-      own.share = share(k);
-      if (goes_along)
-        own.frame = static_cast<std::uint32_t>(is_wall(k) ? walls.wall_of(k)
-                                                          : walls.walls() + bodies.body_of(body));
-      frames_.rows[wall_row[k] - first] = own;
-      if (probe_row[k] == ClusterLists::none) continue;
-      own.at = ghost, own.wall_row = wall_row[k];
-      frames_.rows[probe_row[k] - first] = own;
-    }
+    team.for_ranges(size(), [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k) {
+        if (!has_row(k)) continue;
+        const std::size_t body = k - walls.size();
+        const bool goes_along = !plane && (!is_wall(k) || walls.goes_along(k));
+        const Vec3d at = is_wall(k) ? walls.own_place(k) : bodies.own_place(body),
+                    ghost = is_wall(k) ? walls.own_ghost(k) : bodies.own_ghost(body);
+        SolidFrames::Own own{at, 0.5 * (at + ghost)};
+        own.share = share(k);
+        if (goes_along)
+          own.frame = static_cast<std::uint32_t>(is_wall(k) ? walls.wall_of(k)
+                                                            : walls.walls() + bodies.body_of(body));
+        frames_.rows[wall_row[k] - first] = own;
+        if (probe_row[k] == ClusterLists::none) continue;
+        own.at = ghost, own.wall_row = wall_row[k];
+        frames_.rows[probe_row[k] - first] = own;
+      }
+    });
   }
   /// [m/s] of the surface at the particle k, with its row or that of its image.
   Vec3d velocity(std::size_t k, std::size_t row) const {
@@ -148,31 +150,32 @@ class SphSolids {
   /// the lists, or all. Without probes they have the velocity of their surface.
   void move_rows(SphColumns& columns, const ClusterLists& lists, bool walls_too, bool mirrored,
                  std::span<const Vec3d> grains, bool all, const Team& team) {
-    if (frames_.rows.empty()) find_frames(columns);
+    if (frames_.rows.empty()) find_frames(columns, team);
     frames_.set(walls, bodies);
     const auto move = [&](SphRow& r, const Vec3d& to) {
       r.place(r.position() + lists.repeats.shortest(to - r.position()));
     };
     const std::size_t first = lists.first_pack(ClusterLists::Wall), n = lists.packs() - first;
-    team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
-      for (std::size_t p = first + from; p < first + to; ++p) {
-        if (!all && lists.liquid(p).empty()) continue;
-        for (std::size_t row = p * lists.width; row < (p + 1) * lists.width; ++row) {
-          const std::uint32_t k = columns.label[row];
-          if (k >= SphColumns::of_openings || (!walls_too && k < walls.size())) continue;
-          SphRow& r = columns.rows[row];
-          const SolidFrames::Own& own = frames_.rows[row - first_row_];
-          if (k >= size())
-            move(r, flat(grains[k - size()]));
-          else if (own.frame != SolidFrames::none)
-            move(r, frames_.place(own));
-          else
-            move(r, columns.kind[row] == ClusterLists::Probe ? ghost(k) : place(k));
-          if (!mirrored && k < size() && columns.kind[row] == ClusterLists::Wall)
-            r.move(velocity(k, row));
-        }
-      }
-    });
+    team.for_ranges(
+        n, ClusterLists::packs_a_range, [&](std::size_t, std::size_t from, std::size_t to) {
+          for (std::size_t p = first + from; p < first + to; ++p) {
+            if (!all && lists.liquid(p).empty()) continue;
+            for (std::size_t row = p * lists.width; row < (p + 1) * lists.width; ++row) {
+              const std::uint32_t k = columns.label[row];
+              if (k >= SphColumns::of_openings || (!walls_too && k < walls.size())) continue;
+              SphRow& r = columns.rows[row];
+              const SolidFrames::Own& own = frames_.rows[row - first_row_];
+              if (k >= size())
+                move(r, flat(grains[k - size()]));
+              else if (own.frame != SolidFrames::none)
+                move(r, frames_.place(own));
+              else
+                move(r, columns.kind[row] == ClusterLists::Probe ? ghost(k) : place(k));
+              if (!mirrored && k < size() && columns.kind[row] == ClusterLists::Wall)
+                r.move(velocity(k, row));
+            }
+          }
+        });
   }
   /// [N] of the liquid on one particle, after its rates; `mass` [kg] of a particle.
   Vec3d force_on(std::size_t k, const SphColumns& columns, double mass) const {
