@@ -69,7 +69,9 @@ class Cells {
   }
   void check_same(const Cells& one) const {
     REQUIRE(all.size() == one.all.size());
-    for (const auto& [id, numbers] : all) {
+    for (const auto& of_cell : all) {
+      const auto id = of_cell.first;
+      const auto& numbers = of_cell.second;
       CAPTURE(id);
       const auto found = one.all.find(id);
       REQUIRE(found != one.all.end());
