@@ -7,7 +7,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-inline double TriangleMesh::volume() const {
+inline double TriangleMesh::sum_of_volumes() const {
   const Vec3d origin = bounds().centre();
   double six_times = 0;
   for (const auto& [i, j, k] : triangles_)

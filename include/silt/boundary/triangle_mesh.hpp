@@ -55,7 +55,7 @@ class TriangleMesh {
   Box bounds() const { return tree_.bounds(); }
   double area() const { return area_; }  // [m2]
   /// Enclosed volume [m3] of a closed mesh; positive if the normals point outwards.
-  double volume() const;
+  double volume() const { return volume_; }
   /// True if the triangles are consistently oriented and leave no gap.
   bool is_closed() const { return closed_; }
   /// True if `point` is enclosed, for either orientation of the triangles. On the surface, to
@@ -99,6 +99,7 @@ class TriangleMesh {
   std::vector<std::uint32_t> find_patches() const;
   std::optional<int> turns_by_ray(const Vec3d& point) const;
   double turns_by_solid_angle(const Vec3d& point) const;
+  double sum_of_volumes() const;
   std::optional<Nearest> nearest(std::uint32_t triangle, const Vec3d& centre, double reach) const;
   std::optional<Nearest> nearest_side(std::uint32_t triangle, const Vec3d& centre, double reach,
                                       const std::array<double, 3>& beyond, double height) const;
@@ -128,7 +129,7 @@ class TriangleMesh {
   std::vector<detail::VertexTriple> triangles_;
   std::vector<Vec3d> normals_;
   std::size_t dropped_ = 0;
-  double area_ = 0;
+  double area_ = 0, volume_ = 0;
   bool closed_ = false;
   detail::MeshTopology topology_;
   detail::TriangleTree tree_;
@@ -155,6 +156,7 @@ inline TriangleMesh::TriangleMesh(const std::vector<std::array<Vec3d, 3>>& soup,
   for (std::size_t t = 0; t < triangles_.size(); ++t)
     for (const auto v : triangles_[t]) boxes[t].include(vertices_[v]);
   tree_ = detail::TriangleTree(boxes);
+  volume_ = sum_of_volumes();
   patches_ = find_patches();
 }
 

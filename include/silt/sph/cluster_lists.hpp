@@ -126,6 +126,7 @@ class ClusterLists {
       }
     }
     lists_.resize(pieces(n, packs_a_part));
+    sees_liquid_.resize(n);
     const std::size_t liquid = first_pack(Wall), probes = first_pack(Probe);
     team.for_parts(lists_.size(), [&](std::size_t part) {
       List& list = lists_[part];
@@ -134,6 +135,7 @@ class ClusterLists {
       for (std::size_t p = from; p < to; ++p) {
         list.begin.push_back(list.entries.size());
         find_of(groups_[Liquid], rows, p, reach, list.entries);
+        sees_liquid_[p] = list.entries.size() > list.begin.back();
         list.begin.push_back(list.entries.size());
         if (p < liquid || (probes_meet_walls && p >= probes))
           find_of(groups_[Wall], rows, p, reach, list.entries);
@@ -144,6 +146,8 @@ class ClusterLists {
   /// Liquid and walls in the list of a pack.
   std::span<const Entry> liquid(std::size_t pack) const { return of(pack, 0); }
   std::span<const Entry> walls(std::size_t pack) const { return of(pack, 1); }
+  /// Whether there is liquid in it: from a table that stays in the cache.
+  bool sees_liquid(std::size_t pack) const { return sees_liquid_[pack] != 0; }
   /// Changes when the lists do; > 0 with lists.
   std::uint64_t version() const { return version_; }
   /// Extent of the particles at the last sort().
@@ -387,6 +391,7 @@ class ClusterLists {
   std::array<int, 2> columns_{};
   std::vector<std::uint32_t> order_;
   std::vector<List> lists_;
+  std::vector<std::uint8_t> sees_liquid_;  // by pack
   AlignedVector<double> x_, y_, z_, slack_;  // of rows
 };
 

@@ -268,7 +268,7 @@ struct SphCore {
     shorten(pairs, 0, liquid_packs, team);
     if constexpr (Walls::mirrored) sph_mirror(*this, pairs, team);
     shorten(pairs, liquid_packs, lists.first_pack(Lists::Probe), team,
-            [&](std::size_t p) { return fresh || !lists.liquid(p).empty(); });
+            [&](std::size_t p) { return fresh || lists.sees_liquid(p); });
     fresh = false;
     find_stresses(team);
     constexpr std::size_t W = Pairs::W, per = 16;

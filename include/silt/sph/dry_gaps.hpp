@@ -108,7 +108,7 @@ class DryGaps {
   static bool is_wet(const Core& core, std::size_t from, std::size_t to) {
     for (std::size_t k = core.solids.walls.size() + from; k < core.solids.walls.size() + to; ++k)
       if (core.solids.has_row(k) &&
-          !core.lists.liquid(core.solids.wall_row[k] / core.lists.width).empty())
+          core.lists.sees_liquid(core.solids.wall_row[k] / core.lists.width))
         return true;
     return false;
   }

@@ -41,8 +41,10 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
   const Slip slip = core.setup.slip.value_or(Core::Viscosity::laminar ? Slip::None : Slip::Free);
   const std::size_t first = core.lists.first_pack(Lists::Probe), n = core.lists.packs() - first;
   if (slip == Slip::None) columns.sticking.resize(columns.size(), Vec3d{0, 0, 0});
-  // Particles lie scattered beside their images: they are fetched while the sums are made.
+  // Particles lie scattered beside their images: they are fetched while earlier sums are made.
+  constexpr std::size_t ahead = 3;  // packs: the next ones may have nothing to sum
   const auto fetch = [&](std::size_t pack) {
+    if (pack >= core.lists.packs()) return;
     for (std::size_t row = pack * W; row < (pack + 1) * W; ++row) {
       const std::uint32_t at = solids.of_row(row).wall_row;
       if (at == Lists::none) continue;
@@ -51,16 +53,17 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
     }
   };
   team.for_ranges(n, Lists::packs_a_range, [&](std::size_t, std::size_t from, std::size_t to) {
+    for (std::size_t p = 0; p < ahead; ++p) fetch(first + from + p);
     for (std::size_t p = first + from; p < first + to; ++p) {
-      fetch(p);
+      fetch(p + ahead);
       std::array<SphSeen, W> seen{};
-      if (!core.lists.liquid(p).empty())
+      if (core.lists.sees_liquid(p))
         pairs.look(p, columns.rows, columns.volume, core.lists, seen, columns.brief);
       for (std::size_t l = 0; l < W; ++l) {
         const std::size_t row = p * W + l;
         const auto& own = solids.of_row(row);
         const std::uint32_t at = own.wall_row;
-        if (at == Lists::none || core.lists.liquid(at / W).empty()) continue;  // or a grain
+        if (at == Lists::none || !core.lists.sees_liquid(at / W)) continue;  // or a grain
         auto& wall = columns.rows[at];
         const Vec3d away =
             core.lists.repeats.shortest(wall.position() - columns.rows[row].position());

@@ -159,7 +159,7 @@ class SphSolids {
     team.for_ranges(
         n, ClusterLists::packs_a_range, [&](std::size_t, std::size_t from, std::size_t to) {
           for (std::size_t p = first + from; p < first + to; ++p) {
-            if (!all && lists.liquid(p).empty()) continue;
+            if (!all && !lists.sees_liquid(p)) continue;
             for (std::size_t row = p * lists.width; row < (p + 1) * lists.width; ++row) {
               const std::uint32_t k = columns.label[row];
               if (k >= SphColumns::of_openings || (!walls_too && k < walls.size())) continue;
