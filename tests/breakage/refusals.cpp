@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <silt/breakage/t10_sizes.hpp>
 #include <silt/contact/jkr.hpp>
 
 #include "breakage/scene.hpp"
@@ -51,6 +52,29 @@ TEST_CASE("breakage: functions that cannot be") {
   auto tired = policy({.dust_below = 1e-4});
   tired.fatigue.kappa = 2;
   has(refused(tired), "PowerFatigue.kappa = 2");
+}
+
+// Catches loads in J taken for forces: t10 was 0.556 in place of 0.261.
+TEST_CASE("breakage: a function with a unit of its own has that of the loads") {
+  const auto sim = simulation(grain());
+  const auto checked = [&](auto equivalence, const auto& sizes, const auto& fatigue) {
+    return refusal([&] {
+      silt::Breakage(strong, equivalence, sizes, fatigue, {.dust_below = 1e-4}).check(sim);
+    });
+  };
+  const silt::T10Sizes left_out{.limit = 0.6, .rate = 0.05, .unit = {}},
+      of_energies{.limit = 0.6, .rate = 0.05, .unit = silt::LoadUnit::Energy};
+  const silt::TavaresFatigue tired{.gamma = 5, .unit = {}};
+  has(checked(silt::EnergyEquivalence{}, left_out, silt::NoFatigue{}),
+      "Breakage: the breakage function has .unit = LoadUnit::Force, which is Force if left out, "
+      "but "
+      "loads are of LoadUnit::Energy by the equivalence: set .unit = silt::LoadUnit::Energy");
+  has(checked(silt::HertzEquivalence{}, of_energies, silt::NoFatigue{}),
+      "the breakage function has .unit = LoadUnit::Energy");
+  has(checked(silt::EnergyEquivalence{}, of_energies, tired),
+      "the fatigue has .unit = LoadUnit::Force");
+  has(checked(silt::EnergyEquivalence{}, of_energies, silt::NoFatigue{}), "nothing was refused");
+  has(checked(silt::HertzEquivalence{}, left_out, tired), "nothing was refused");
 }
 
 /// More mass below than there is.

@@ -97,10 +97,22 @@ struct Breakage {
   };
   static constexpr std::array names{"strength", "rests_until", "generation"};
 
+  /// A function with a unit of its own, such as T10Sizes, must have that of the loads.
+  template <class Function>
+  static void check_unit(const char* what, const Function& function) {
+    if constexpr (requires { function.unit; })
+      require(function.unit == unit, "Breakage: the ", what,
+              " has .unit = LoadUnit::", name_of(function.unit),
+              ", which is Force if left out, but loads are of LoadUnit::", name_of(unit),
+              " by the equivalence: set .unit = silt::LoadUnit::", name_of(unit));
+  }
+  static const char* name_of(LoadUnit one) { return one == LoadUnit::Force ? "Force" : "Energy"; }
+
   /// Checks before a run.
   template <class Sim>
   void check(const Sim& sim) const {
     strength.check(), equivalence.check(), sizes.check(), fatigue.check();
+    check_unit("breakage function", sizes), check_unit("fatigue", fatigue);
     require_positive("BreakageRules.dust_below", rules.dust_below, "m");
     require_not_negative("BreakageRules.separation_speed", rules.separation_speed, "m/s");
     require(rules.most_fragments > 0,

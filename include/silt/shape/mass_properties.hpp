@@ -42,6 +42,17 @@ struct MassProperties {
   bool operator==(const MassProperties&) const = default;
 };
 
+/// Without products of inertia that are rounding, between axes of equal moments: the axes of a cube
+/// or of a square prism are then those of its form, and not any others.
+inline Symmetric3 without_rounding(Symmetric3 t) {
+  const double least = 1e-12 * std::max({std::abs(t.xx), std::abs(t.yy), std::abs(t.zz)});
+  const auto drop = [least](double& product, double a, double b) {
+    if (std::abs(product) < least && std::abs(a - b) < least) product = 0;
+  };
+  drop(t.xy, t.xx, t.yy), drop(t.yz, t.yy, t.zz), drop(t.zx, t.zz, t.xx);
+  return t;
+}
+
 /// From moments about any origin, by the parallel-axis theorem; I = tr(S) 1 - S.
 /// Errors: InputError for zero volume, and for a body so thin or extended that rounding of its
 ///         largest principal moment, 1e-16 of it, affects the smallest.
@@ -50,7 +61,8 @@ inline MassProperties mass_properties(const Moments& m) {
   const Vec3d centroid = m.first * (1 / m.volume);
   Symmetric3 s = m.second;
   s += -m.volume * outer(centroid);
-  const Principal p = principal({s.yy + s.zz, s.zz + s.xx, s.xx + s.yy, -s.xy, -s.yz, -s.zx});
+  const Principal p =
+      principal(without_rounding({s.yy + s.zz, s.zz + s.xx, s.xx + s.yy, -s.xy, -s.yz, -s.zx}));
   const double least = std::min({p.values.x, p.values.y, p.values.z});
   const double most = std::max({p.values.x, p.values.y, p.values.z});
   require(least >= std::numeric_limits<double>::min() && std::isfinite(most),

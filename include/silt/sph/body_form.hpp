@@ -74,8 +74,9 @@ class LiquidForm {
           const double d = nearest(x).distance;
           if (!(d < -1e-9 * s)) continue;
           ++inside, deepest = std::max(deepest, -d);
-          const Vec3d out = to_surface(x, 1e-9 * s) - x;
-          if (norm(out) > deep) continue;
+          const Way way = to_surface(x, 1e-9 * s);
+          const Vec3d out = way.end - x;
+          if (way.length > deep) continue;
           require(!flat || std::abs(out.y) < 1e-6 * s,
                   "Sph: in 2D, where forces are those of 1 m, a body must be a prism along y and "
                   "1 m long; one is ",
@@ -101,6 +102,11 @@ class LiquidForm {
   struct Nearest {
     double distance;  // [m] negative inside
     Vec3d point;
+    const Part* part;
+  };
+  struct Way {
+    Vec3d end;
+    double length;  // [m] to the nearest face
   };
 
   template <class Solid>
@@ -125,24 +131,61 @@ class LiquidForm {
   }
   /// Nearest point on the union of all parts; inside, for the part in which x is deepest.
   Nearest nearest(const Vec3d& x) const {
-    Nearest least{std::numeric_limits<double>::infinity(), x};
+    Nearest least{std::numeric_limits<double>::infinity(), x, nullptr};
     for (const Part& part : parts_) {
       const Vec3d own = rotate(conjugate(part.axes), x - part.centre);
       const SurfacePoint p = part.surface.nearest_point(own);
       const double d = part.surface.contains(own) ? -p.distance : p.distance;
       if (d < least.distance)
-        least = {d, part.centre + rotate(part.axes, own - p.distance * p.normal)};
+        least = {d, part.centre + rotate(part.axes, own - p.distance * p.normal), &part};
     }
     return least;
   }
   /// Nearest point outside all parts, by steps to the surface of one after the other.
-  Vec3d to_surface(Vec3d x, double enough) const {
+  Way to_surface(Vec3d x, double enough) const {
+    Way way{x, 0};
     for (int n = 0; n < 50; ++n) {
-      const Nearest p = nearest(x);
+      const Nearest p = nearest(way.end);
       if (p.distance > -enough) break;
-      x = p.point;
+      way.end = exit(way.end, p), way.length = norm(p.point - x);
     }
-    return x;
+    return way;
+  }
+  /// Nearest point on the surface of one part from x inside. Where several faces are equally near,
+  /// the point on their common edge or corner: if rounding chose one of them, the particles of a
+  /// symmetric body would turn it. Of opposite faces it is the one whose normal comes first.
+  static Vec3d exit(const Vec3d& x, const Nearest& p) {
+    const TriangleMesh& surface = p.part->surface;
+    const Vec3d own = rotate(conjugate(p.part->axes), x - p.part->centre);
+    const double depth = -p.distance, slack = 1e-6 * depth;
+    std::vector<std::uint32_t> near;
+    surface.triangles_near(own, depth + slack, near);
+    std::vector<Vec3d> normals;  // of the faces, each once
+    const double sign = surface.volume() > 0 ? 1 : -1;
+    for (const std::uint32_t t : near) {
+      const Vec3d n = sign * surface.normals()[t];
+      const Vec3d to = surface.vertices()[surface.triangles()[t][0]] - own;
+      const auto is_same = [&](const Vec3d& other) { return dot(n, other) > 1 - 1e-6; };
+      if (std::abs(dot(n, to) - depth) < slack && surface.distance_to(t, own) < depth + slack &&
+          std::none_of(normals.begin(), normals.end(), is_same))
+        normals.push_back(n);
+    }
+    if (normals.size() < 2) return p.point;
+    Vec3d along{0, 0, 0};
+    for (const Vec3d& n : normals) along += n;
+    double least = 0;
+    if (const double length = norm(along); length > 0.1) {
+      along = (1 / length) * along, least = 1;
+      for (const Vec3d& n : normals) least = std::min(least, dot(n, along));
+    }
+    if (least < 0.3)
+      along = *std::min_element(normals.begin(), normals.end(), comes_first), least = 1;
+    return x + rotate(p.part->axes, (depth / least) * along);
+  }
+  static bool comes_first(const Vec3d& a, const Vec3d& b) {
+    for (const auto d : {&Vec3d::x, &Vec3d::y, &Vec3d::z})
+      if (std::abs(a.*d - b.*d) > 1e-6) return a.*d > b.*d;
+    return false;
   }
 
   std::vector<Part> parts_;
