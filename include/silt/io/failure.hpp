@@ -320,7 +320,7 @@ class OnFailure {
         out.write(text(error.what(), "\nstep ", error.step, "\ntime [s] ", sim.time(),
                        "\nparticles named:"));
         for (const auto id : error.particles) out.write(text(' ', id));
-        out.write("\n" + detail::lines_of_names(sim));
+        out.write(text("\n", detail::lines_of_names(sim)));
         out.commit();
       });
     attempt_own("particles.csv", [&](const auto& path) { scene.write_particles_csv(path); });
