@@ -152,8 +152,10 @@ class LiquidForm {
     return way;
   }
   /// Nearest point on the surface of one part from x inside. Where several faces are equally near,
-  /// the point on their common edge or corner: if rounding chose one of them, the particles of a
-  /// symmetric body would turn it. Of opposite faces it is the one whose normal comes first.
+  /// rounding must not choose one of them: the particles of a symmetric body would turn it. It is
+  /// the face whose normal is nearest to the x axis, then y, which keeps symmetry to both; of two
+  /// that are mirror images of each other the point on their common edge; of opposite ones the
+  /// first.
   static Vec3d exit(const Vec3d& x, const Nearest& p) {
     const TriangleMesh& surface = p.part->surface;
     const Vec3d own = rotate(conjugate(p.part->axes), x - p.part->centre);
@@ -171,22 +173,23 @@ class LiquidForm {
         normals.push_back(n);
     }
     if (normals.size() < 2) return p.point;
-    Vec3d along{0, 0, 0};
-    for (const Vec3d& n : normals) along += n;
-    double least = 0;
-    if (const double length = norm(along); length > 0.1) {
-      along = (1 / length) * along, least = 1;
-      for (const Vec3d& n : normals) least = std::min(least, dot(n, along));
-    }
-    if (least < 0.3)
-      along = *std::min_element(normals.begin(), normals.end(), comes_first), least = 1;
-    return x + rotate(p.part->axes, (depth / least) * along);
+    std::sort(normals.begin(), normals.end(), comes_first);
+    Vec3d along = normals[0];
+    if (const Vec3d sum = along + normals[1];
+        norm(sum) > 0.1 && !comes_first(absolute(normals[0]), absolute(normals[1])))
+      along = 2 / dot(sum, sum) * sum;  // n + m over 1 + n.m
+    return x + rotate(p.part->axes, depth * along);
   }
+  /// By nearness to the x axis, then y; then by side.
   static bool comes_first(const Vec3d& a, const Vec3d& b) {
+    const Vec3d p = absolute(a), q = absolute(b);
+    for (const auto d : {&Vec3d::x, &Vec3d::y, &Vec3d::z})
+      if (std::abs(p.*d - q.*d) > 1e-6) return p.*d > q.*d;
     for (const auto d : {&Vec3d::x, &Vec3d::y, &Vec3d::z})
       if (std::abs(a.*d - b.*d) > 1e-6) return a.*d > b.*d;
     return false;
   }
+  static Vec3d absolute(const Vec3d& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
 
   std::vector<Part> parts_;
   Box box_;
