@@ -90,7 +90,9 @@ def make_parser(pictures: bool) -> Parser:
     cells.add_argument("--map", choices=sorted(COLOUR_MAPS), default="viridis", help="colours (viridis)")
     cells.add_argument("--title", nargs="+", metavar="T", help="a caption for each file")
     cells.add_argument("-o", "--out", required=True, metavar="PNG")
-    cells.add_argument("--least", metavar="COLUMN=VALUE", help="cells with less of it stay white")
+    cells.add_argument("--least", metavar="COLUMN=VALUE", help="cells with less of it stay white, and so do lone ones "
+                       "(at most one neighbour of four has enough)")
+    cells.add_argument("--walls", metavar="FILE", help="a surface: lines where the plane of the cells cuts it")
     cells.set_defaults(run=cells_module.draw_cells)
     return parser
 

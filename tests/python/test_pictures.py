@@ -769,6 +769,18 @@ class Tables(Refuses, unittest.TestCase):
         self.assertEqual((name, values.shape, bounds), ("speed [m/s]", (3, 2), (-0.5, 1.5, -0.5, 2.5)))
         self.assertEqual((np.isnan(values).sum(), values[2, 1]), (2, 5))
         self.assertEqual(cells_module.read_cells(layer, "solid", "spe=1")[0], "solid fraction [-]")
+        shown = np.array([[0, 1, 1, 0], [1, 1, 1, 1], [0, 0, 1, 0], [1, 0, 0, 0]], bool)
+        self.assertEqual(np.argwhere(cells_module.sticks_out(shown)).tolist(), [[1, 0], [1, 3], [2, 2], [3, 0]])
+        # Lines of walls, in the plane of the cells and not beside it.
+        walls = os.path.join(self.folder, "walls.vtp")
+        write_vtp(walls, np.array([(0, 0, 0), (0, 1, 0), (2, 1, 2), (9, 2, 0), (9, 3, 0), (9, 2, 2)], float), {},
+                  np.array([(0, 1, 2), (3, 4, 5)], np.int32))
+        ends = cells_module.section(layer, walls)
+        np.testing.assert_allclose(np.sort(ends, axis=1), [[[0, 0], [1, 1]]], atol=1e-6)
+        [_, line] = self.figure("cells", layer, "--value", "speed", "--walls", walls).axes[0].collections
+        np.testing.assert_allclose(line.get_segments(), ends)
+        self.refused("does not say where its plane lies", "cells", self.table("p.csv", "x [m],z [m],u", (0, 0, 1), (0, 1, 1),
+                     (1, 0, 1), (1, 1, 2)), "--value", "u", "--walls", walls, "-o", self.out)
         self.refused("a column and a number", "cells", layer, "--value", "speed", "--least", "speed", "-o", self.out)
         self.refused("has no column 'heat'", "cells", layer, "--value", "heat", "-o", self.out)
 
