@@ -39,7 +39,8 @@ auto discharge_table(const Scene& s, const std::string& path, std::int64_t step,
         curve.most_contacts = std::max(curve.most_contacts, contacts);
         const double seconds = clock.seconds();
         const double steps = static_cast<double>(sim.step() - step);
-        const double per_step = steps > 0 ? (seconds - before) / steps : 0;
+        // The first row has no steps to time: nan, which pictures leave out.
+        const double per_step = steps > 0 ? (seconds - before) / steps : std::nan("");
         step = sim.step(), before = seconds;
         const double since = sim.time() - s.settling_time();
         curve.time.push_back(since), curve.mass.push_back(below.mass);

@@ -136,7 +136,8 @@ inline bool draw_run(const std::string& out, const Scene& s, const Pictures& pic
   return example::draw(arguments) &&
          (!pictures.has_flow ||
           example::draw({"cells", layer, "--value", "speed", "--least", "solid fraction=0.2",
-                         "--title", "Mean speed, middle layer", "--out", out + "/flow.png"})) &&
+                         "--walls", out + "/outlines.vtp", "--title", "Mean speed, middle layer",
+                         "--out", out + "/flow.png"})) &&
          (!pictures.has_chains ||
           example::draw({"draw", chains, "--slab",
                          silt::text("y=", s.width / 2 - 3e-3, ",", s.width / 2 + 3e-3), "--walls",

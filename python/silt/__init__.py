@@ -18,6 +18,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from . import needs
+
 __version__ = "0.1.0"
 
 # Names are loaded when they are asked for: `python3 -m silt` must be able to say that numpy is
@@ -54,6 +56,8 @@ def __getattr__(name: str) -> Any:
     home = _HOMES.get(name)
     if home is None:
         raise AttributeError(f"module 'silt' has no '{name}'; it has: {', '.join(sorted(_HOMES))}")
+    if name != "Error" and needs.missing("numpy"):
+        raise ImportError(needs.sentence("silt", ["numpy"]))
     value = getattr(importlib.import_module("." + home, __name__), name)
     globals()[name] = value
     return value

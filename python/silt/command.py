@@ -75,7 +75,9 @@ def make_parser(pictures: bool) -> Parser:
     curves.add_argument("--marks", metavar="COLUMN[,COLUMN]",
                         help="points without a line, in the colours of the columns of --y in turn")
     curves.add_argument("--marks-label", metavar="T", default="measured", help="what the points are called")
-    curves.add_argument("--y-label", metavar="T", help="what all columns are; their unit is added")
+    curves.add_argument("--x-label", metavar="T", help="what the x axis is called; its unit is added, or T has a "
+                        "larger or smaller one, as 'size [mm]' of a column in m: numbers are converted")
+    curves.add_argument("--y-label", metavar="T", help="what all columns of --y are, as with --x-label")
     curves.add_argument("--log", choices=["x", "y", "xy"], default="", help="logarithmic axes")
     curves.add_argument("--reference", action="append", metavar="LABEL:SLOPE,OFFSET",
                         help="a straight line to compare with; may be repeated")
@@ -88,7 +90,9 @@ def make_parser(pictures: bool) -> Parser:
     cells.add_argument("--map", choices=sorted(COLOUR_MAPS), default="viridis", help="colours (viridis)")
     cells.add_argument("--title", nargs="+", metavar="T", help="a caption for each file")
     cells.add_argument("-o", "--out", required=True, metavar="PNG")
-    cells.add_argument("--least", metavar="COLUMN=VALUE", help="cells with less of it stay white")
+    cells.add_argument("--least", metavar="COLUMN=VALUE", help="cells with less of it stay white, and so do lone ones "
+                       "(at most one neighbour of four has enough)")
+    cells.add_argument("--walls", metavar="FILE", help="a surface: lines where the plane of the cells cuts it")
     cells.set_defaults(run=cells_module.draw_cells)
     return parser
 

@@ -17,6 +17,7 @@ WALL = np.array([0.88, 0.91, 0.95], np.float32)
 EDGE = 0.30
 VEIL = 0.25  # share of an edge's colour where it passes in front of grains
 GLASS = 0.30  # share of a see-through wall's colour
+GLASS_OVER = 0.10  # where it passes in front of grains: their colours must still be those of the colour bar
 
 
 def expand(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -337,7 +338,8 @@ class Canvas:
         owner = self.front_triangles(self.to_pixels(corners), front)
         seen = owner >= 0
         tint = 0.75 * WALL * self._wall_shades(corners)[owner[seen]][:, None] ** 3
-        self.image[seen] += GLASS * (tint - self.image[seen])
+        share = np.where(np.isfinite(self.depth[seen]), GLASS_OVER, GLASS).astype(np.float32)[:, None]
+        self.image[seen] += share * (tint - self.image[seen])
 
     # -------------------------------------------------------------------------------- lines
 
@@ -365,6 +367,10 @@ class Canvas:
         rows, columns = np.nonzero(share)
         part = share[rows, columns, None]
         self.image[rows, columns] += part * (EDGE - self.image[rows, columns])
+
+    def size(self) -> tuple[int, int]:
+        """Width and height of the picture in pixels."""
+        return self.width // SUPERSAMPLING, self.height // SUPERSAMPLING
 
     def picture(self):
         n = SUPERSAMPLING

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import re
 
 import numpy as np
 
@@ -12,6 +13,24 @@ from ..errors import Error
 from ..names import find_start, split_unit
 from ..tables import table
 from .style import COLOURS, label_few_decades, plt, round_long, save
+
+
+FEW = 15  # points that stand apart: as many have a mark each
+PREFIXES = {"n": 1e-9, "\u00b5": 1e-6, "u": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
+
+
+def factor_to(unit, words):
+    """What numbers in `unit` are multiplied by where an axis is called `words`: 1000 from "m" to "size [mm]".
+    1 where these have no unit, or one that differs by more than a prefix."""
+    wanted = split_unit(words or "")[1]
+    if (unit, wanted) == ("-", "%"):
+        return 100.0
+    for prefix, size in PREFIXES.items():
+        if re.match(r"[A-Za-z]+(?![A-Za-z0-9^])", unit) and wanted == prefix + unit:  # of mm2 and m2 it is no factor
+            return 1 / size
+        if re.match(r"[A-Za-z]+(?![A-Za-z0-9^])", wanted) and unit == prefix + wanted:
+            return size
+    return 1.0
 
 
 def file_words(files):
@@ -33,7 +52,7 @@ class Columns:
 
     def __init__(self, path, options, label):
         read = table(path)
-        self.path, self.label, self.columns = path, label, read.columns
+        self.path, self.label = path, label
 
         def find(words):
             names = [find_start(w, read.names, "column", path) for w in words.split(",")] if words else []
@@ -43,7 +62,19 @@ class Columns:
             return names
 
         self.x_name, self.y_names, self.marks = find(options.x)[0], find(options.y), find(options.marks)
-        self.x = self.columns[self.x_name]
+        self.columns = dict(read.columns)
+        for name in {*self.y_names, *self.marks}:
+            self.columns[name] = self.columns[name] * factor_to(split_unit(name)[1], options.y_label)
+        self.x = read.columns[self.x_name] * factor_to(split_unit(self.x_name)[1], options.x_label)
+
+    def are_few(self, log):
+        """Whether few points stand apart along the x axis."""
+        x = self.x[self.x > 0] if log else self.x
+        x = np.log(x) if log else x
+        x = x[np.isfinite(x)]
+        if len(x) <= 25 or len(x) > 100:
+            return len(x) <= 25
+        return len(np.unique(np.round(60 * (x - x.min()) / (np.ptp(x) or 1)))) <= FEW
 
     def compare(self, first):
         for mine, of_first in zip([self.x_name, *self.y_names, *self.marks],
@@ -76,7 +107,7 @@ def draw_lines(panel, tables, names, colours, options):
                      one.label if len(names) == 1 else f"{one.label}: {word}")
             panel.plot(one.x, one.columns[name], lw=1.8, color=used[-1], label=label, ms=4,
                        ls=style if len(tables) > 1 else "-",
-                       marker="o" if len(one.x) <= 25 and not options.marks else None)
+                       marker="o" if one.are_few("x" in options.log) and not options.marks else None)
     return used
 
 
@@ -117,6 +148,11 @@ def add_legend(panel, figure):
             return
 
 
+def axis_title(words, unit):
+    """The words, with the unit where they have none."""
+    return words if "[" in words or not unit else f"{words} [{unit}]".strip()
+
+
 def draw_curves(options):
     tables = read_tables(options)
     x_name, y_names = tables[0].x_name, tables[0].y_names
@@ -139,9 +175,7 @@ def draw_curves(options):
         for axis, low_high in ((panel.xaxis, panel.get_xlim()), (panel.yaxis, panel.get_ylim())):
             if axis.get_scale() == "log":
                 label_few_decades(axis, low_high)
-        in_brackets = f"[{unit}]" if unit else ""
-        words = options.y_label or (mine[0] if len(mine) == 1 else "")
-        panel.set_ylabel(words if "[" in words else f"{words} {in_brackets}".strip(), fontsize=12)
+        panel.set_ylabel(axis_title(options.y_label or (mine[0] if len(mine) == 1 else ""), unit), fontsize=12)
         panel.grid(True, color="0.88", lw=0.8)
         panel.set_axisbelow(True)
         panel.spines[["top", "right"]].set_visible(False)
@@ -149,7 +183,7 @@ def draw_curves(options):
         panel.margins(x=0.01)
         if len(panel.lines) > 1:
             add_legend(panel, figure)
-    panels[-1, 0].set_xlabel(x_name, fontsize=12)
+    panels[-1, 0].set_xlabel(axis_title(options.x_label or x_name, split_unit(x_name)[1]), fontsize=12)
     if options.title:
         figure.suptitle(round_long(options.title), fontsize=13)
     save(figure, options.out)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import math
 import os
+import sys
 import textwrap
 from dataclasses import dataclass, field
 from typing import Optional, Sequence
@@ -160,6 +161,7 @@ class Scene:
             [None] * len(self.series)
         self.planes = Planes()
         self.eye: Optional[np.ndarray] = None
+        self.told = False  # that shapes are missing
 
     def _walls_beside(self, series: Series) -> Optional[Series]:
         """Of a .pvd list walls.pvd beside it, if that has walls."""
@@ -239,7 +241,9 @@ class Scene:
         if self._is_walls(frame):
             self._take_walls(out, frame)
         elif frame.kind in (POINTS, SURFACE):
-            bed = self._bed(*true_shape(frame), colour)
+            body, more = true_shape(frame)
+            self._tell_if_shapeless(body)
+            bed = self._bed(body, more, colour)
             if out.bed is None:
                 out.bed = bed
             else:
@@ -253,6 +257,13 @@ class Scene:
         else:
             raise Error(f"file '{frame.path}' has {frame.kind} with the fields {', '.join(frame.fields) or 'none'}, "
                         "which are neither particles, bodies, contacts, bonds nor cells of a grid")
+
+    def _tell_if_shapeless(self, frame: Frame) -> None:
+        """A line on stderr, once a picture, where bodies have to be drawn as their bounding spheres."""
+        if frame.kind == POINTS and "orientation" in frame and "radius" in frame and len(frame) and not self.told:
+            self.told = True
+            sys.stderr.write(f"silt: the shapes of the bodies are not in '{frame.path}': drawn as their bounding "
+                             "spheres; vtk_series writes surfaces.pvd or parts.pvd beside particles.pvd\n")
 
     def _is_walls(self, frame: Frame) -> bool:
         """Whether a file to be drawn is one of walls that are shown as such: by --walls-as, or as they have
@@ -315,8 +326,8 @@ class Scene:
         shots = self.shots()
         panels, extent = self._load(shots)
         files = [self.series[k].files[n] for k, n in shots]
-        if len(set(len(s) for s in self.series)) == 1 and len(self.series[0]) == 1:
-            files = [os.fspath(f) for f in self.options.files]  # as the user knows them
+        if all(len(s) == 1 for s in self.series):
+            files = [os.fspath(self.options.files[k]) for k, _ in shots]  # as the user knows them
         titles = captions(self.options.title, files, [self.series[k].times[n] for k, n in shots])
         figure = self.figure(panels, extent, titles)
         save(figure, out, self._dpi(figure.get_figwidth()))
@@ -364,11 +375,15 @@ class Scene:
         bounds = camera.bounds
         bars = [s for s in scales.values() if s.label] + ([None] if extent.strong > 0 else [])
         sheet = Sheet(titles, (bounds[1] - bounds[0]) / (bounds[3] - bounds[2]), len(bars))
-        figure = plt.figure(figsize=(sheet.width, sheet.height))
+        dpi = self._dpi(sheet.width)
+        pixels = np.round(np.array([sheet.width, sheet.height]) * dpi)  # of the sheet: whole ones, as of panels
+        figure = plt.figure(figsize=pixels / dpi)
         for k, (layers, title) in enumerate(zip(panels, titles)):
-            canvas = camera.canvas(max(1, round(sheet.panel_width * self._dpi(sheet.width))))
+            canvas = camera.canvas(max(1, round(sheet.panel_width * dpi)))
             paint(canvas, layers, scales, options)
-            panel = figure.add_axes(sheet.panel(k))
+            # Pixel on pixel: a panel half a pixel off would show a row twice, and a jog in slanting lines.
+            corner = np.round(np.array(sheet.panel(k)[:2]) * pixels)
+            panel = figure.add_axes([*corner / pixels, *np.array(canvas.size()) / pixels])
             panel.imshow(canvas.picture(), interpolation="none", aspect="auto", extent=bounds)
             if len(layers.contacts):
                 share = np.minimum(layers.forces / forces.vmax, 1)
