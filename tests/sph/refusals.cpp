@@ -85,12 +85,6 @@ TEST_CASE("SPH: fill, walls and runs that cannot be are refused") {
   refuses<InputError>(
       [] {
         Sph sph{water, setup};
-        sph.fill([](const Vec3d&) { return false; });
-      },
-      "no place of the lattice of 0.01 m is inside");
-  refuses<InputError>(
-      [] {
-        Sph sph{water, setup};
         sph.fill([](const Vec3d&) { return true; });
         sph.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
       },
@@ -147,6 +141,49 @@ TEST_CASE("SPH: fill, walls and runs that cannot be are refused") {
         static_cast<void>(sph.wall_load(3));
       },
       "there is no wall 3");
+}
+
+TEST_CASE("SPH: a fill that finds no place says which of its inputs leaves none") {
+  const auto filled = [](const SphSetup& of, auto... walls) {
+    return [=] {
+      Sph sph{water, of};
+      (sph.add_wall(walls, {.name = "floor"}), ...);
+      sph.fill([](const Vec3d&) { return true; });
+    };
+  };
+  refuses<InputError>(
+      [] {
+        Sph sph{water, setup};
+        sph.fill([](const Vec3d&) { return false; });
+      },
+      "Sph::fill: there is no place for liquid: inside(x) is false at all 400 places of the "
+      "lattice, from (0.005, 0, 0.005) to (0.195, 0, 0.195) m with a spacing of 0.01 m");
+  refuses<InputError>(filled(setup, Plane{{0, 0, 0}, {0, 0, -1}}),
+                      "all 400 places where inside(x) is true are behind wall 'floor'; the normal "
+                      "of a wall points to the liquid");
+  refuses<InputError>(filled(setup, Plane{{0, 0, -1}, {0, 0, 1}}, Plane{{0, 0, 1}, {0, 0, 1}}),
+                      "behind wall 'floor'");
+  // Each place is behind one of two walls, and none behind both.
+  refuses<InputError>(filled(setup, Plane{{0, 0, 0.15}, {0, 0, 1}}, Plane{{0, 0, 0.05}, {0, 0, -1}},
+                             Plane{{0.1, 0, 0}, {1, 0, 0}}, Plane{{0.1, 0, 0}, {-1, 0, 0}}),
+                      "of 400 places where inside(x) is true, 400 are behind walls or");
+  SphSetup flat = setup;
+  flat.dimensions = 3;
+  refuses<InputError>(filled(flat),
+                      "SphSetup.region has no extent in y (from (0, 0, 0) to "
+                      "(0.2, 0, 0.2) m), and the liquid is in 3D; give it one, or "
+                      ".dimensions = 2, where the liquid lies in x and z");
+  SphSetup thin = flat;
+  thin.region.max.y = 0.004;
+  const Plane behind{{0, 0.004, 0}, {0, -1, 0}};
+  refuses<InputError>(filled(thin, behind),
+                      "SphSetup.spacing = 0.01 m is larger than SphSetup.region, which is 0.004 m "
+                      "long in y; use a smaller spacing, or .dimensions = 2");
+  SphSetup coarse = setup;
+  coarse.spacing = 0.5;
+  refuses<InputError>(filled(coarse, Plane{{0.2, 0, 0}, {-1, 0, 0}}),
+                      "SphSetup.spacing = 0.5 m is larger than SphSetup.region, which is 0.2 m "
+                      "long in x; use a smaller spacing");
 }
 
 TEST_CASE("SPH: sound that is too slow for what the scene has is refused at the first step") {

@@ -18,6 +18,7 @@
 #include <silt/coupling/particles_in_fluid.hpp>
 #include <silt/files/vtk.hpp>
 #include <silt/sph/core.hpp>
+#include <silt/sph/fill_check.hpp>
 #include <silt/sph/lattice_fit.hpp>
 #include <silt/sph/policies.hpp>
 #include <silt/sph/setup.hpp>
@@ -198,9 +199,9 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
       core().columns.add(r, Core::Lists::Liquid, core().next_number++);
       detail::sph_comes(core(), core().columns.size() - 1);
     });
-    require(
-        core().next_number > before, "Sph::fill: no place of the lattice of ", setup().spacing,
-        " m is inside; check that the region and the walls leave space, or use a smaller spacing");
+    if (core().next_number == before)
+      throw InputError(text("Sph::fill: there is no place for liquid: ",
+                            detail::sph_why_empty(setup(), core().solids.walls, inside)));
     if (core().steps == 0) detail::refuse_misfit(core().solids.walls, places(before), setup());
     core().renewed();
     if (!core().solids.bodies.empty()) core().make_room_for_bodies();
