@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -184,6 +185,41 @@ TEST_CASE("SPH: a fill that finds no place says which of its inputs leaves none"
   refuses<InputError>(filled(coarse, Plane{{0.2, 0, 0}, {-1, 0, 0}}),
                       "SphSetup.spacing = 0.5 m is larger than SphSetup.region, which is 0.2 m "
                       "long in x; use a smaller spacing");
+}
+
+TEST_CASE("SPH: liquid that has left the region is warned of, alone and in a Simulation") {
+  SphSetup low = setup;
+  low.gravity = {0, 0, -9.81}, low.region.max.z = 0.05;
+  // A layer of 40 particles, in a box or falling out of the region.
+  const auto poured = [&low](bool boxed) {
+    Sph sph{water, low};
+    if (boxed) sph.add_wall(box({0, -1, 0}, {0.2, 1, 1}));
+    sph.fill([](const Vec3d& x) { return x.z < 0.02; });
+    return sph;
+  };
+  auto lost = poured(false), kept = poured(true);
+  CHECK(lost.warnings().empty());
+  lost.run(0.1), kept.run(0.1);
+  CHECK(lost.left() == 40);
+  REQUIRE(lost.warnings().size() == 1);
+  silt_test::has(lost.warnings()[0],
+                 "the liquid: 40 of 40 particles (100 %) have left SphSetup.region, from "
+                 "(0, 0, 0) to (0.2, 0, 0.05) m, and are lost; close the walls");
+  CHECK(kept.warnings().empty());
+
+  Simulation sim{
+      Particles<Sphere>{},
+      Contacts<HertzMindlin>{
+          {.youngs_modulus = 1e7, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.3}},
+      poured(false)};
+  sim.gravity = low.gravity, sim.time_step = 1e-3;
+  std::vector<std::string> said;
+  auto watch = on_warnings([&said](const std::string& w) { said.push_back(w); });
+  sim.run(0.02, watch);
+  CHECK(said.empty());
+  sim.run(0.08, watch);
+  REQUIRE(said.size() == 1);
+  silt_test::has(said[0], "40 of 40 particles (100 %) have left SphSetup.region");
 }
 
 TEST_CASE("SPH: sound that is too slow for what the scene has is refused at the first step") {

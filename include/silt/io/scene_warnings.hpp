@@ -360,4 +360,13 @@ template <class Sim>
   return out;
 }
 
+/// Warnings after a run of a fluid that has some: an Sph whose liquid has left its region.
+template <class Sim>
+[[gnu::cold]] std::vector<std::string> fluid_warnings(const Sim& sim) {
+  if constexpr (requires { sim.fluid().warnings(); })
+    return sim.fluid().warnings();
+  else
+    return {};
+}
+
 }  // namespace silt

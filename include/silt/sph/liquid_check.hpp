@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
@@ -53,6 +54,19 @@ void sph_check(const Core& core, const SphRow& r) {
       share <= core.most_density)
     return;
   throw SimulationError(sph_what_is_wrong(core, r), core.steps, {}, r.position());
+}
+/// Warnings of Sph::warnings().
+template <class Core>
+[[gnu::cold]] std::vector<std::string> sph_warnings(const Core& core) {
+  constexpr double share = 0.05;  // [-] splashes lose less
+  const auto all = static_cast<double>(core.next_number), left = static_cast<double>(core.left);
+  if (!(left > share * all)) return {};
+  const Box& region = core.setup.region;
+  return {sentence("the liquid: ", core.left, " of ", core.next_number, " particles (",
+                   100 * left / all, " %) have left SphSetup.region, from ", region.min, " to ",
+                   region.max,
+                   " m, and are lost; close the walls or enlarge the region; where liquid should "
+                   "leave, put an outlet (Sph::add_outlet)")};
 }
 /// Whether a point is outside the region.
 template <class Core>
