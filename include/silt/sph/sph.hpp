@@ -114,12 +114,12 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   void advance(const CoupledParticles& of, double dt, std::span<Vec3d> force, const Team& team,
                std::span<Vec3d> torque) {
     if (const auto [longest, w] = core().longest_hold(); dt > 2 * longest)
-      throw Error(
-          text("wall ", w,
-               core().solids.walls.wall(w).name.empty() ? "" : " " + core().solids.walls.called(w),
-               " is too light compared with the liquid for steps of ", dt,
-               " s; set Simulation::time_step to less than ", longest,
-               " s, or give the wall a larger mass or inertia"));
+      throw Error(detail::sentence(
+          "wall ", w,
+          core().solids.walls.wall(w).name.empty() ? "" : " " + core().solids.walls.called(w),
+          " is too light compared with the liquid for steps of ", dt,
+          " s; set Simulation::time_step to less than ", longest,
+          " s, or give the wall a larger mass or inertia"));
     core().take_particles(of);
     std::fill(force.begin(), force.end(), Vec3d{0, 0, 0});
     std::fill(torque.begin(), torque.end(), Vec3d{0, 0, 0});
@@ -393,18 +393,24 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
             " m/s has a part along y, but in 2D the liquid lies in x and z; give a velocity with "
             "y = 0");
     const double c = liquid().sound_speed, speed = norm(v);
-    require(speed <= 0.2 * c, "Sph::fill: at ", x, " m velocity ", v, " m/s is ", speed / c,
-            " of Liquid.sound_speed = ", c, " m/s; the liquid would be compressed by ",
-            100 * speed * speed / (c * c), " %; use ten times that speed, ", 10 * speed, " m/s");
+    if (!(speed <= 0.2 * c))
+      throw InputError(detail::sentence(
+          "Sph::fill: at ", x, " m velocity ", v, " m/s is ", speed / c,
+          " of Liquid.sound_speed = ", c, " m/s; the liquid would be compressed by ",
+          100 * speed * speed / (c * c), " %; use ten times that speed, ", 10 * speed, " m/s"));
     const double rise = p / (liquid().density * c * c);
-    require(rise < 0.05, "Sph::fill: at ", x, " m the pressure of ", p,
-            " Pa raises the density by about ", 100 * rise, " %, as Liquid.sound_speed = ", c,
-            " m/s is too low for it; use at least ", 10 * std::sqrt(2 * p / liquid().density),
-            " m/s, ten times the speed that such a pressure gives");
-    require(p > -0.1 * liquid().stiffness(), "Sph::fill: at ", x, " m the pressure of ", p,
-            " Pa must be above ", -0.1 * liquid().stiffness(),
-            " Pa (a tenth of the liquid's stiffness); use a larger Liquid.sound_speed, or a "
-            "smaller suction");
+    if (!(rise < 0.05))
+      throw InputError(detail::sentence(
+          "Sph::fill: at ", x, " m the pressure of ", p, " Pa raises the density by about ",
+          100 * rise, " %, as Liquid.sound_speed = ", c, " m/s is too low for it; use at least ",
+          10 * std::sqrt(2 * p / liquid().density),
+          " m/s, ten times the speed that such a pressure gives"));
+    if (!(p > -0.1 * liquid().stiffness()))
+      throw InputError(detail::sentence(
+          "Sph::fill: at ", x, " m the pressure of ", p, " Pa must be above ",
+          -0.1 * liquid().stiffness(),
+          " Pa (a tenth of the liquid's stiffness); use a larger Liquid.sound_speed, or a "
+          "smaller suction"));
   }
   void check_opening(const char* call, std::size_t which) const {
     require(which < openings(), "Sph::", call, ": there is no opening ", which, "; there are ",
