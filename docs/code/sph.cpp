@@ -31,6 +31,7 @@ int main() {
     const std::string file = "water_" + std::to_string(k) + ".vtp";
     water.write("sph/" + file), series.add(water.time(), file);
   }
+  for (const auto& warning : water.warnings()) std::printf("warning: %s\n", warning.c_str());
 
   double front = 0;  // [m]
   water.for_each([&](std::uint32_t, const silt::Vec3d& x, const silt::Vec3d&, double, double) {

@@ -14,8 +14,8 @@
 #include <silt/coupling/averaging/two_grid.hpp>
 #include <silt/coupling/averaging/unresolved.hpp>
 #include <silt/coupling/coupled_flow.hpp>
-#include <silt/coupling/drag/ergun.hpp>
-#include <silt/coupling/drag/lone_sphere.hpp>
+#include <silt/coupling/drag/laws.hpp>
+#include <silt/coupling/drag/oriented.hpp>
 #include <silt/coupling/formulas.hpp>
 
 #include "near.hpp"
@@ -202,6 +202,24 @@ TEST_CASE("a step that a user's law has ended can be made again as if it had not
     pressure[fails] = flow.flow().pressure()(1, 2, 0);
   }
   CHECK(pressure[0] == pressure[1]);
+}
+
+TEST_CASE("a fluid without viscosity is refused at the start, for drag laws that need it") {
+  // Catches drag that is not a number, which only the first step would report.
+  const Grid g({{0, 0, 0}, {1, 1, 1}}, {4, 4, 4}, {true, true, true});
+  const auto coupled = [&g](const auto& drag) {
+    return [&g, drag] { CoupledFlow flow(drag, silt::Kernel{}, silt::FlowSolver(g, {1000, 0})); };
+  };
+  const auto refused = [&](const auto& drag) {
+    CHECK_THROWS_WITH_AS(coupled(drag)(),
+                         doctest::Contains("FluidProperties.viscosity = 0 Pa s must be given and "
+                                           "positive, as the drag law needs a Reynolds number"),
+                         silt::InputError);
+  };
+  refused(silt::Ergun{}), refused(silt::Gidaspow{}), refused(silt::DiFelice{});
+  refused(silt::Beetstra{}), refused(silt::KochHill{}), refused(silt::SchillerNaumann{});
+  refused(silt::WenYu{}), refused(silt::OrientedDrag{});
+  coupled(silt::Stokes{})();  // no drag
 }
 
 TEST_CASE("spans that do not fit are refused") {

@@ -137,6 +137,13 @@ TEST_CASE("CoupledMesh: a restart goes on with the same bits, and so do more thr
   }
 }
 
+TEST_CASE("CoupledMesh: a fluid without viscosity is refused, for drag laws that need it") {
+  // Catches drag that is not a number.
+  CHECK_THROWS_WITH_AS((CoupledMesh{PointWeights{Layers{}}, Blobs{{1000, 0}}, silt::Gidaspow{}}),
+                       doctest::Contains("FluidProperties.viscosity = 0 Pa s must be given and"),
+                       silt::InputError);
+}
+
 TEST_CASE("CoupledMesh: settings that cannot be are refused") {
   auto sim = scene(1500, {1.2, 1.8e-5});
   sim.fluid().steps = 0;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -85,12 +86,6 @@ TEST_CASE("SPH: fill, walls and runs that cannot be are refused") {
   refuses<InputError>(
       [] {
         Sph sph{water, setup};
-        sph.fill([](const Vec3d&) { return false; });
-      },
-      "no place of the lattice of 0.01 m is inside");
-  refuses<InputError>(
-      [] {
-        Sph sph{water, setup};
         sph.fill([](const Vec3d&) { return true; });
         sph.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
       },
@@ -149,6 +144,84 @@ TEST_CASE("SPH: fill, walls and runs that cannot be are refused") {
       "there is no wall 3");
 }
 
+TEST_CASE("SPH: a fill that finds no place says which of its inputs leaves none") {
+  const auto filled = [](const SphSetup& of, auto... walls) {
+    return [=] {
+      Sph sph{water, of};
+      (sph.add_wall(walls, {.name = "floor"}), ...);
+      sph.fill([](const Vec3d&) { return true; });
+    };
+  };
+  refuses<InputError>(
+      [] {
+        Sph sph{water, setup};
+        sph.fill([](const Vec3d&) { return false; });
+      },
+      "Sph::fill: there is no place for liquid: inside(x) is false at all 400 places of the "
+      "lattice, from (0.005, 0, 0.005) to (0.195, 0, 0.195) m with a spacing of 0.01 m");
+  refuses<InputError>(filled(setup, Plane{{0, 0, 0}, {0, 0, -1}}),
+                      "all 400 places where inside(x) is true are behind wall 'floor'; the normal "
+                      "of a wall points to the liquid");
+  refuses<InputError>(filled(setup, Plane{{0, 0, -1}, {0, 0, 1}}, Plane{{0, 0, 1}, {0, 0, 1}}),
+                      "behind wall 'floor'");
+  // Each place is behind one of two walls, and none behind both.
+  refuses<InputError>(filled(setup, Plane{{0, 0, 0.15}, {0, 0, 1}}, Plane{{0, 0, 0.05}, {0, 0, -1}},
+                             Plane{{0.1, 0, 0}, {1, 0, 0}}, Plane{{0.1, 0, 0}, {-1, 0, 0}}),
+                      "of 400 places where inside(x) is true, 400 are behind walls or");
+  SphSetup flat = setup;
+  flat.dimensions = 3;
+  refuses<InputError>(filled(flat),
+                      "SphSetup.region has no extent in y (from (0, 0, 0) to "
+                      "(0.2, 0, 0.2) m), and the liquid is in 3D; give it one, or "
+                      ".dimensions = 2, where the liquid lies in x and z");
+  SphSetup thin = flat;
+  thin.region.max.y = 0.004;
+  const Plane behind{{0, 0.004, 0}, {0, -1, 0}};
+  refuses<InputError>(filled(thin, behind),
+                      "SphSetup.spacing = 0.01 m is larger than SphSetup.region, which is 0.004 m "
+                      "long in y; use a smaller spacing, or .dimensions = 2");
+  SphSetup coarse = setup;
+  coarse.spacing = 0.5;
+  refuses<InputError>(filled(coarse, Plane{{0.2, 0, 0}, {-1, 0, 0}}),
+                      "SphSetup.spacing = 0.5 m is larger than SphSetup.region, which is 0.2 m "
+                      "long in x; use a smaller spacing");
+}
+
+TEST_CASE("SPH: liquid that has left the region is warned of, alone and in a Simulation") {
+  SphSetup low = setup;
+  low.gravity = {0, 0, -9.81}, low.region.max.z = 0.05;
+  // A layer of 40 particles, in a box or falling out of the region.
+  const auto poured = [&low](bool boxed) {
+    Sph sph{water, low};
+    if (boxed) sph.add_wall(box({0, -1, 0}, {0.2, 1, 1}));
+    sph.fill([](const Vec3d& x) { return x.z < 0.02; });
+    return sph;
+  };
+  auto lost = poured(false), kept = poured(true);
+  CHECK(lost.warnings().empty());
+  lost.run(0.1), kept.run(0.1);
+  CHECK(lost.left() == 40);
+  REQUIRE(lost.warnings().size() == 1);
+  silt_test::has(lost.warnings()[0],
+                 "the liquid: 40 of 40 particles (100 %) have left SphSetup.region, from "
+                 "(0, 0, 0) to (0.2, 0, 0.05) m, and are lost; close the walls");
+  CHECK(kept.warnings().empty());
+
+  Simulation sim{
+      Particles<Sphere>{},
+      Contacts<HertzMindlin>{
+          {.youngs_modulus = 1e7, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.3}},
+      poured(false)};
+  sim.gravity = low.gravity, sim.time_step = 1e-3;
+  std::vector<std::string> said;
+  auto watch = on_warnings([&said](const std::string& w) { said.push_back(w); });
+  sim.run(0.02, watch);
+  CHECK(said.empty());
+  sim.run(0.08, watch);
+  REQUIRE(said.size() == 1);
+  silt_test::has(said[0], "40 of 40 particles (100 %) have left SphSetup.region");
+}
+
 TEST_CASE("SPH: sound that is too slow for what the scene has is refused at the first step") {
   const auto run = [](double height, double fastest) {
     SphSetup tall = setup;
@@ -160,7 +233,8 @@ TEST_CASE("SPH: sound that is too slow for what the scene has is refused at the 
   };
   run(0.5, 0);  // 6.4 times
   refuses<InputError>([&] { run(0.9, 0); }, "m/s; the liquid would be compressed by 4.");
-  refuses<InputError>([&] { run(0.9, 0); }, "a fall through the liquid's height of 0.89");
+  refuses<InputError>([&] { run(0.9, 0); },  // without the digits of rounding
+                      "a fall through the liquid's height of 0.89 m, 4.17873 m/s; the");
   refuses<InputError>([&] { run(0.2, 4.1); }, "times the speed of wall 0, 4.");
 }
 
@@ -197,7 +271,7 @@ TEST_CASE("SPH: fill refuses a liquid that is too fast for its sound, or under t
       },
       "a tenth of the liquid's stiffness");
   // Below -B the density of a pressure is no number.
-  refuses<InputError>([&] { filled({0, 0, 0}, 35 * least); }, "Pa must be above -5714.28");
+  refuses<InputError>([&] { filled({0, 0, 0}, 35 * least); }, "Pa must be above -5714.29 Pa");
 }
 
 TEST_CASE("SPH: in 2D nothing may lead out of the plane, where liquid would get through walls") {

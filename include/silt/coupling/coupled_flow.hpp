@@ -81,6 +81,7 @@ class BasicCoupledFlow {
     mode_.check();
     if constexpr (follows) exchange_.followed().check(flow_.grid().box());
     tell_settings();
+    exchange_.check_fluid();
     if (in_pressure()) flow_.keep_stress();
   }
 

@@ -72,7 +72,10 @@ class CoupledMesh {
                         sees_forms = Exchange::sees_forms;
 
   CoupledMesh(Space space, Flow flow, const Drag& drag, const Forces&... forces)
-      : space_(std::move(space)), flow_(std::move(flow)), exchange_(drag, forces...) {}
+      : space_(std::move(space)), flow_(std::move(flow)), exchange_(drag, forces...) {
+    exchange_.settings.fluid = flow_.fluid();
+    exchange_.check_fluid();
+  }
 
   Flow& flow() { return flow_; }
   const Flow& flow() const { return flow_; }

@@ -38,7 +38,8 @@ namespace silt::inline SILT_TARGET {
 ///
 /// Source: Z. Y. Zhou et al., J. Fluid Mech. 661 (2010) 482 (models); StepResponse.
 /// Units:  SI. A particle whose void fraction is 0 is outside the fluid; no force acts on it.
-/// Errors: InputError for spans of wrong length; forces and drag laws that cannot be combined do
+/// Errors: InputError for spans of wrong length and a viscosity of 0; forces and drag laws that
+/// cannot be combined do
 ///         not compile.
 /// Tests:  tests/coupling/particle_exchange.cpp.
 template <class Drag, class... Forces>
@@ -96,6 +97,8 @@ class ParticleExchange {
   FluidAtParticles at;  // to be set before find(), and again before take()
   GivenToFluid given;   // of give()
 
+  /// Refuses a fluid without viscosity for a drag law that needs a Reynolds number.
+  void check_fluid() const;
   /// Refuses spans of wrong length. `forces`, `torques`: their lengths.
   void check(const CoupledParticles& of, std::size_t forces, std::size_t torques) const;
 

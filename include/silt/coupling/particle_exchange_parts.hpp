@@ -8,6 +8,20 @@
 namespace silt::inline SILT_TARGET {
 
 template <class Drag, class... Forces>
+void ParticleExchange<Drag, Forces...>::check_fluid() const {
+  const auto& [density, viscosity] = settings.fluid;
+  bool fits = viscosity > 0;
+  // Laws that do not read Re, as Stokes, give no drag in an inviscid fluid; others are not numbers.
+  if constexpr (!OrientedDragLaw<Drag>)
+    if (!fits)
+      fits = std::isfinite(drag_coefficient(
+          drag_, 1.0, slip_reynolds(1.0, density, 1.0, 1.0, viscosity), 1.0, viscosity));
+  require(fits, "FluidProperties.viscosity = ", viscosity,
+          " Pa s must be given and positive, as the drag law needs a Reynolds number: air at 20 C "
+          "has 1.8e-5, water 1e-3");
+}
+
+template <class Drag, class... Forces>
 void ParticleExchange<Drag, Forces...>::check(const CoupledParticles& of, std::size_t forces,
                                               std::size_t torques) const {
   const std::size_t n = of.velocity.size();

@@ -45,7 +45,7 @@ inline void check_held_step(const char* of, int steps, const HeldAnswer& held, d
   if (!(held.lag > held.most_lag && held.density_ratio < 1)) return;
   const auto limit = pace.contact_limit();
   if (!limit || span <= held_share_of_contact * *limit) return;
-  throw Error(text(
+  throw Error(sentence(
       of, ".steps = ", steps, " particle steps a fluid step are too many for particles of ",
       held.density_ratio, " of the fluid's density: what it gives them is held for ", span,
       " s, longer than an eighth of a contact, which makes contacts oscillate; set it to at "

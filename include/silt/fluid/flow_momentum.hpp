@@ -13,7 +13,7 @@ namespace silt::inline SILT_TARGET::fluid_detail {
 inline void refuse_unstable(const FlowState& state, double dt, double courant) {
   if (courant > 1)
     throw FlowStepError(
-        text("FlowSolver: the flow crosses ", courant, " cells in a step of ", dt,
+        text("FlowSolver: the flow crosses ", detail::sentence(courant), " cells in a step of ", dt,
              " s; it must be at most 1: use a step of at most ", dt / courant, " s"),
         dt / courant);
   const Vec3d size = state.grid.h();
@@ -24,7 +24,7 @@ inline void refuse_unstable(const FlowState& state, double dt, double courant) {
     throw FlowStepError(
         text("FlowSolver: viscosity spreads over mu dt / rho (1/hx^2 + "
              "1/hy^2 + 1/hz^2) = ",
-             spread, " of a cell in a step of ", dt,
+             detail::sentence(spread), " of a cell in a step of ", dt,
              " s; it must be at most 0.45: use a step of at most ", 0.45 * dt / spread, " s"),
         0.45 * dt / spread);
 }

@@ -78,14 +78,15 @@ class FlowProjection {
         FlowState::added);
     const double mean = excess * dt / static_cast<double>(state.grid.size());
     if (!state.sides.any_open() && std::abs(mean) > 1e-6)
-      throw Error(text("FlowSolver: ", mean > 0 ? "more" : "less", " fluid enters than leaves, by ",
-                       std::abs(mean),
-                       " of the volume in a step, and no side is an Outflow; make one an "
-                       "Outflow, or balance the velocities of the sides and the particles added "
-                       "and removed. (Where a "
-                       "CoupledFlow clips solids at its least_voidage, the clipped volume counts "
-                       "as removed: use "
-                       "wider weights or larger cells)"));
+      throw Error(detail::sentence(
+          "FlowSolver: ", mean > 0 ? "more" : "less", " fluid enters than leaves, by ",
+          std::abs(mean),
+          " of the volume in a step, and no side is an Outflow; make one an "
+          "Outflow, or balance the velocities of the sides and the particles added "
+          "and removed. (Where a "
+          "CoupledFlow clips solids at its least_voidage, the clipped volume counts "
+          "as removed: use "
+          "wider weights or larger cells)"));
     // Residuals below the rounding of the void fraction in this step are not resolved.
     const double norm = norm_of_right(state, team), least = rounding / dt / norm;
     if (!std::isfinite(norm)) throw_no_numbers(state);

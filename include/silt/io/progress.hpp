@@ -41,7 +41,7 @@ class ToldWarnings {
 /// Options of progress().
 struct ProgressOptions {
   std::FILE* out = stderr;
-  bool warnings = true;  // scene_warnings at the start; at the end of inlets and servos
+  bool warnings = true;  // scene_warnings at the start; at the end of inlets, servos, liquids
 };
 
 /// Prints the progress of the run on stderr: on a terminal one line that is updated once a second;
@@ -82,6 +82,7 @@ class Progress {
     if (first_rank_) show(sim, true);
     if (!options_.warnings) return;
     warn(inlet_warnings(sim)), warn(servo_warnings(sim)), warn(break_warnings(sim, broken_));
+    warn(fluid_warnings(sim));
   }
   void tell(const std::vector<BreakEvent>& broken) const { broken_.add(broken); }
 
@@ -170,7 +171,7 @@ class WarningsObserver {
   template <class Sim>
   void end(const Sim& sim) {
     tell(sim, inlet_warnings(sim)), tell(sim, servo_warnings(sim));
-    tell(sim, break_warnings(sim, broken_));
+    tell(sim, break_warnings(sim, broken_)), tell(sim, fluid_warnings(sim));
   }
   void tell(const std::vector<BreakEvent>& broken) const { broken_.add(broken); }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <cstdio>
 #include <limits>
@@ -358,6 +359,17 @@ template <class Sim>
                        " particles that were due into ", inlet.region, ": ", inlet.why()));
   }
   return out;
+}
+
+/// Warnings after a run of a fluid that has some: an Sph whose liquid has left its region.
+template <class Sim>
+[[gnu::cold]] std::vector<std::string> fluid_warnings(const Sim& sim) {
+  if constexpr (requires {
+                  { sim.fluid().warnings() } -> std::convertible_to<std::vector<std::string>>;
+                })
+    return sim.fluid().warnings();
+  else
+    return {};
 }
 
 }  // namespace silt

@@ -55,7 +55,7 @@ inline void refuse_misfit(const WallParticles& walls, std::span<const Vec3d> liq
       if (worst == nullptr || std::abs(side.off) > std::abs(worst->off)) worst = &side;
     }
     if (worst == nullptr || std::abs(off) <= most * (rows * s + off)) continue;
-    throw InputError(text(
+    throw InputError(sentence(
         "Sph: the first row of the liquid is ", (worst->off + 0.5 * s) / s, " spacings from wall ",
         walls.called(worst->wall), " at ", "xyz"[axis], " = ", worst->at,
         " m, not half a spacing; its ", rows, " rows along ", "xyz"[axis], " leave ",

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
@@ -18,32 +19,33 @@ template <class Core>
 std::string sph_what_is_wrong(const Core& core, const SphRow& r) {
   const Vec3d x = r.position();
   const double c = core.liquid.sound_speed, speed = norm(r.velocity());
-  const std::string what = text("the liquid's step ", core.steps, ", t = ", core.time,
-                                " s: the liquid at ", x, " m"),
-                    is = text(" density ", r.density, " kg/m3 and velocity ", r.velocity(), " m/s");
+  const std::string what = sentence("the liquid's step ", core.steps, ", t = ", core.time,
+                                    " s: the liquid at ", x, " m"),
+                    is = sentence(" density ", r.density, " kg/m3 and velocity ", r.velocity(),
+                                  " m/s");
   if (is_finite(x) && core.solids.walls.walls() > 0)
     if (const auto wall = core.solids.walls.nearest(x); wall.distance < -0.1 * core.setup.spacing)
-      return text(what, " has gone through wall ", core.solids.walls.called(wall.wall), " by ",
-                  -wall.distance, " m, with", is,
-                  "; use a smaller spacing, a larger alpha of the viscosity (0.1), or a slower "
-                  "wall");
+      return sentence(what, " has gone through wall ", core.solids.walls.called(wall.wall), " by ",
+                      -wall.distance, " m, with", is,
+                      "; use a smaller spacing, a larger alpha of the viscosity (0.1), or a slower "
+                      "wall");
   if (is_finite(x))
     if (const auto body = core.body_at(x); body && *body < core.body_ids.size())
-      return text(what, " has gone into body ", core.body_ids[*body], " at ",
-                  core.solids.bodies.bodies[*body].centre, " m, with", is,
-                  "; use a smaller spacing, a larger alpha of the viscosity (0.1), or a slower "
-                  "body");
-  const std::string beyond = text(what, " has", is, ", beyond ", core.least_density, " to ",
-                                  core.most_density, " of ", core.liquid.density, " kg/m3; ");
+      return sentence(what, " has gone into body ", core.body_ids[*body], " at ",
+                      core.solids.bodies.bodies[*body].centre, " m, with", is,
+                      "; use a smaller spacing, a larger alpha of the viscosity (0.1), or a slower "
+                      "body");
+  const std::string beyond = sentence(what, " has", is, ", beyond ", core.least_density, " to ",
+                                      core.most_density, " of ", core.liquid.density, " kg/m3; ");
   if (speed > 0.2 * c)
-    return text(beyond, "that is ", speed / c, " of Liquid.sound_speed = ", c,
-                " m/s, and speeds may be a tenth of it; if the scene is that fast, use a "
-                "larger Liquid.sound_speed, ",
-                10 * speed, " m/s, else a larger alpha of the viscosity (0.1)");
-  return text(beyond,
-              "use a smaller spacing, a larger alpha of the viscosity (0.1) or a smaller "
-              "SphSetup.courant; for an isolated drop, whose density no neighbour "
-              "supports, a lower Sph::least_density");
+    return sentence(beyond, "that is ", speed / c, " of Liquid.sound_speed = ", c,
+                    " m/s, and speeds may be a tenth of it; if the scene is that fast, use a "
+                    "larger Liquid.sound_speed, ",
+                    10 * speed, " m/s, else a larger alpha of the viscosity (0.1)");
+  return sentence(beyond,
+                  "use a smaller spacing, a larger alpha of the viscosity (0.1) or a smaller "
+                  "SphSetup.courant; for an isolated drop, whose density no neighbour "
+                  "supports, a lower Sph::least_density");
 }
 /// Stops the run if a liquid particle violates its bounds.
 template <class Core>
@@ -53,6 +55,19 @@ void sph_check(const Core& core, const SphRow& r) {
       share <= core.most_density)
     return;
   throw SimulationError(sph_what_is_wrong(core, r), core.steps, {}, r.position());
+}
+/// Warnings of Sph::warnings().
+template <class Core>
+[[gnu::cold]] std::vector<std::string> sph_warnings(const Core& core) {
+  constexpr double share = 0.05;  // [-] splashes lose less
+  const auto all = static_cast<double>(core.next_number), left = static_cast<double>(core.left);
+  if (!(left > share * all)) return {};
+  const Box& region = core.setup.region;
+  return {sentence("the liquid: ", core.left, " of ", core.next_number, " particles (",
+                   100 * left / all, " %) have left SphSetup.region, from ", region.min, " to ",
+                   region.max,
+                   " m, and are lost; close the walls or enlarge the region; where liquid should "
+                   "leave, put an outlet (Sph::add_outlet)")};
 }
 /// Whether a point is outside the region.
 template <class Core>

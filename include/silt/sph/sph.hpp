@@ -18,6 +18,7 @@
 #include <silt/coupling/particles_in_fluid.hpp>
 #include <silt/files/vtk.hpp>
 #include <silt/sph/core.hpp>
+#include <silt/sph/fill_check.hpp>
 #include <silt/sph/lattice_fit.hpp>
 #include <silt/sph/policies.hpp>
 #include <silt/sph/setup.hpp>
@@ -113,12 +114,12 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   void advance(const CoupledParticles& of, double dt, std::span<Vec3d> force, const Team& team,
                std::span<Vec3d> torque) {
     if (const auto [longest, w] = core().longest_hold(); dt > 2 * longest)
-      throw Error(
-          text("wall ", w,
-               core().solids.walls.wall(w).name.empty() ? "" : " " + core().solids.walls.called(w),
-               " is too light compared with the liquid for steps of ", dt,
-               " s; set Simulation::time_step to less than ", longest,
-               " s, or give the wall a larger mass or inertia"));
+      throw Error(detail::sentence(
+          "wall ", w,
+          core().solids.walls.wall(w).name.empty() ? "" : " " + core().solids.walls.called(w),
+          " is too light compared with the liquid for steps of ", dt,
+          " s; set Simulation::time_step to less than ", longest,
+          " s, or give the wall a larger mass or inertia"));
     core().take_particles(of);
     std::fill(force.begin(), force.end(), Vec3d{0, 0, 0});
     std::fill(torque.begin(), torque.end(), Vec3d{0, 0, 0});
@@ -198,9 +199,9 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
       core().columns.add(r, Core::Lists::Liquid, core().next_number++);
       detail::sph_comes(core(), core().columns.size() - 1);
     });
-    require(
-        core().next_number > before, "Sph::fill: no place of the lattice of ", setup().spacing,
-        " m is inside; check that the region and the walls leave space, or use a smaller spacing");
+    if (core().next_number == before)
+      throw InputError(text("Sph::fill: there is no place for liquid: ",
+                            detail::sph_why_empty(setup(), core().solids.walls, inside)));
     if (core().steps == 0) detail::refuse_misfit(core().solids.walls, places(before), setup());
     core().renewed();
     if (!core().solids.bodies.empty()) core().make_room_for_bodies();
@@ -281,7 +282,10 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
       visit(opening, r.position(), r.velocity(), r.density, liquid().pressure(r.density));
     });
   }
-  std::size_t left() const { return core().left; }            // ... that left the region
+  std::size_t left() const { return core().left; }  // ... that left the region
+  /// Sentences for what is probably a mistake: more than 5 % of the liquid has left the region. In
+  /// a Simulation progress() and on_warnings() pass them on at the end of each run.
+  std::vector<std::string> warnings() const { return detail::sph_warnings(core()); }
   std::size_t displaced() const { return core().displaced; }  // ... displaced by a body
   std::size_t wall_particles() const { return core().solids.walls.size(); }
 
@@ -389,18 +393,24 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
             " m/s has a part along y, but in 2D the liquid lies in x and z; give a velocity with "
             "y = 0");
     const double c = liquid().sound_speed, speed = norm(v);
-    require(speed <= 0.2 * c, "Sph::fill: at ", x, " m velocity ", v, " m/s is ", speed / c,
-            " of Liquid.sound_speed = ", c, " m/s; the liquid would be compressed by ",
-            100 * speed * speed / (c * c), " %; use ten times that speed, ", 10 * speed, " m/s");
+    if (!(speed <= 0.2 * c))
+      throw InputError(detail::sentence(
+          "Sph::fill: at ", x, " m velocity ", v, " m/s is ", speed / c,
+          " of Liquid.sound_speed = ", c, " m/s; the liquid would be compressed by ",
+          100 * speed * speed / (c * c), " %; use ten times that speed, ", 10 * speed, " m/s"));
     const double rise = p / (liquid().density * c * c);
-    require(rise < 0.05, "Sph::fill: at ", x, " m the pressure of ", p,
-            " Pa raises the density by about ", 100 * rise, " %, as Liquid.sound_speed = ", c,
-            " m/s is too low for it; use at least ", 10 * std::sqrt(2 * p / liquid().density),
-            " m/s, ten times the speed that such a pressure gives");
-    require(p > -0.1 * liquid().stiffness(), "Sph::fill: at ", x, " m the pressure of ", p,
-            " Pa must be above ", -0.1 * liquid().stiffness(),
-            " Pa (a tenth of the liquid's stiffness); use a larger Liquid.sound_speed, or a "
-            "smaller suction");
+    if (!(rise < 0.05))
+      throw InputError(detail::sentence(
+          "Sph::fill: at ", x, " m the pressure of ", p, " Pa raises the density by about ",
+          100 * rise, " %, as Liquid.sound_speed = ", c, " m/s is too low for it; use at least ",
+          10 * std::sqrt(2 * p / liquid().density),
+          " m/s, ten times the speed that such a pressure gives"));
+    if (!(p > -0.1 * liquid().stiffness()))
+      throw InputError(detail::sentence(
+          "Sph::fill: at ", x, " m the pressure of ", p, " Pa must be above ",
+          -0.1 * liquid().stiffness(),
+          " Pa (a tenth of the liquid's stiffness); use a larger Liquid.sound_speed, or a "
+          "smaller suction"));
   }
   void check_opening(const char* call, std::size_t which) const {
     require(which < openings(), "Sph::", call, ": there is no opening ", which, "; there are ",

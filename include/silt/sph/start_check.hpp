@@ -21,9 +21,11 @@ void sph_check_sound(const Core& core) {
   constexpr double least = 5;  // [-]; 10 are advised
   const double c = core.liquid.sound_speed;
   const auto check = [&](double speed, const auto&... of) {
-    require(c >= least * speed, "Sph: Liquid.sound_speed = ", c, " m/s is ", c / speed,
-            " times the speed of ", of..., ", ", speed, " m/s; the liquid would be compressed by ",
-            100 * speed * speed / (c * c), " %; use ten times that speed, ", 10 * speed, " m/s");
+    if (c >= least * speed) return;
+    throw InputError(sentence(
+        "Sph: Liquid.sound_speed = ", c, " m/s is ", c / speed, " times the speed of ", of..., ", ",
+        speed, " m/s; the liquid would be compressed by ", 100 * speed * speed / (c * c),
+        " %; use ten times that speed, ", 10 * speed, " m/s"));
   };
   constexpr double far = std::numeric_limits<double>::infinity();
   Vec3d low{far, far, far}, high{-far, -far, -far};

@@ -70,12 +70,13 @@ class ThinWalls {
       const Vec3d one = walls.to_space(p.wall, p.one);
       if (!is_wet(one) || !is_wet(walls.to_space(p.wall, p.other))) continue;
       throw SimulationError(
-          text("the liquid's step ", step, ", t = ", time, " s: wall ", walls.called(p.wall),
-               " is ", p.thickness, " m thin near ", one,
-               " m and has liquid on both sides, which interacts through it; make it thicker than "
-               "2 h = ",
-               2 * setup.h(), " m, or use a spacing of at most ",
-               p.thickness * setup.spacing / (2 * setup.h()), " m"),
+          sentence(
+              "the liquid's step ", step, ", t = ", time, " s: wall ", walls.called(p.wall), " is ",
+              p.thickness, " m thin near ", one,
+              " m and has liquid on both sides, which interacts through it; make it thicker than "
+              "2 h = ",
+              2 * setup.h(), " m, or use a spacing of at most ",
+              p.thickness * setup.spacing / (2 * setup.h()), " m"),
           step, {}, one);
     }
   }

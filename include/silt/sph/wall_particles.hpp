@@ -163,6 +163,9 @@ class WallParticles {
     }
     return least;
   }
+  bool is_behind(std::size_t wall, const Vec3d& x) const {
+    return walls_[wall].nearest(x).distance < 0;
+  }
   /// Whether no liquid starts at a lattice site. A wall across an axis leaves half a spacing before
   /// the first row. At curved and oblique walls the sites in front are liquid and those behind are
   /// wall: the lattice has no gap, and the volume is right on average. (With half a spacing there

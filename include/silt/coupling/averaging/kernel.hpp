@@ -33,7 +33,7 @@ namespace silt::inline SILT_TARGET {
 /// Errors: check(): InputError for a width below 0.1 or above 100 diameters.
 /// Tests:  tests/coupling/averaging.cpp, averaging_noise.cpp, averaging_bodies.cpp.
 /// Valid:  cells of any size.
-/// Units:  lengths in diameters of the largest particles.
+/// Units:  lengths in diameters of each particle.
 struct Kernel {
   enum class Form { Compact, Gaussian };
   Form form = Form::Compact;
