@@ -15,38 +15,51 @@ import codes
 from report import Options, Summary, make_folder, versions, write
 
 
-def main():
-    p = Options(__doc__, "out/peers-bonds")
-    p.add_argument("--silt", required=True, help="silt's bench_bonds")
-    p.add_argument("--repeat", type=int, default=5, help="runs of each, in turn (5)")
-    a = p.parse_args()
-    side, warmup, steps, repeat = (6, 20, 100, 2) if a.quick else (20, 50, 500, a.repeat)
-    a.out = make_folder(a.out)
-    silt, yade = codes.program(a.silt, "--silt"), codes.program("yade")
+def compare(a, side, steps, silt, yade, summary):
+    """One size of cube, in turn; returns lines for the table."""
+    words = [str(x) for x in (side, 20 if a.quick else 50, steps)]
     deck = os.path.join(codes.HERE, "decks", "yade_bonds.py")
-    words = [str(x) for x in (side, warmup, steps)]
     ours, theirs = [], []
-    for _ in range(repeat):
+    for _ in range(a.repeat):
         ours.append(codes.result_of(codes.run([silt, *words], a.out)))
         theirs.append(codes.result_of(codes.run([yade, "-n", "-x", "-j1", deck, *words], a.out)))
-    found = versions(silt)
-    found["Yade"] = codes.version_of(yade)
-    per_step = 1e9 / steps / side**3  # [ns] of a second
+    n = side**3
+    per_step = 1e9 / steps / n  # [ns] of a second
     s = [per_step * r["seconds"] for r in ours]
     y = [per_step * r["seconds"] for r in theirs]
     ratios = [b / c for b, c in zip(y, s)]
-    summary = Summary({"spheres": side**3, "steps": steps, "repeat": repeat, "quick": a.quick}, found)
-    summary.results.update(bonds=ours[0]["bonds"], silt_ns=s, yade_ns=y, ratios=ratios,
-                           median_ratio=statistics.median(ratios))
-    summary.at_most("bonds that one has and the other not", abs(ours[0]["bonds"] - theirs[0]["bonds"]), 0)
+    summary.results.update({f"{n}_bonds": ours[0]["bonds"], f"{n}_silt_ns": s, f"{n}_yade_ns": y,
+                            f"{n}_ratios": ratios, f"{n}_median_ratio": statistics.median(ratios)})
+    summary.at_most(f"{n} spheres: bonds that one has and the other not",
+                    abs(ours[0]["bonds"] - theirs[0]["bonds"]), 0)
     # Yade's bonds begin with its first step: an error of first order in that one.
-    summary.at_most("difference of the kinetic energies over that at the start [-]",
+    summary.at_most(f"{n} spheres: difference of the kinetic energies over that at the start [-]",
                     abs(ours[0]["kinetic"] - theirs[0]["kinetic"]) / ours[0]["start"], 1e-3)
-    text = codes.head(found) + [
-        f"{side**3} spheres, {ours[0]['bonds']:.0f} bonds, {steps} steps, one core; ns a sphere and step",
-        f"silt  {statistics.median(s):8.1f}  ({min(s):.1f} to {max(s):.1f})",
-        f"Yade  {statistics.median(y):8.1f}  ({min(y):.1f} to {max(y):.1f})",
-        f"silt is {statistics.median(ratios):.1f} times as fast ({min(ratios):.1f} to {max(ratios):.1f})"]
+    return [f"{n} spheres, {ours[0]['bonds']:.0f} bonds, {steps} steps, one core; ns a sphere and step",
+            f"silt  {statistics.median(s):8.1f}  ({min(s):.1f} to {max(s):.1f})",
+            f"Yade  {statistics.median(y):8.1f}  ({min(y):.1f} to {max(y):.1f})",
+            f"silt is {statistics.median(ratios):.1f} times as fast ({min(ratios):.1f} to {max(ratios):.1f})"]
+
+
+def main():
+    p = Options(__doc__, "out/peers-bonds")
+    p.add_argument("--silt", required=True, help="silt's bench_bonds")
+    p.add_argument("--sides", type=int, nargs="+", default=[6, 20],
+                   help="spheres along an edge of the cube (6 20; with --quick 6)")
+    p.add_argument("--repeat", type=int, default=5, help="runs of each, in turn (5; with --quick 2)")
+    a = p.parse_args()
+    if a.quick:
+        a.sides, a.repeat = [6], 2
+    a.out = make_folder(a.out)
+    silt, yade = codes.program(a.silt, "--silt"), codes.program("yade")
+    found = versions(silt)
+    found["Yade"] = codes.version_of(yade)
+    summary = Summary({"sides": a.sides, "repeat": a.repeat, "quick": a.quick}, found)
+    text = codes.head(found)
+    for side in a.sides:
+        # As many steps as keep a run of silt above a tenth of a second, if it is not a quick one.
+        steps = 100 if a.quick else max(500, 4_000_000 // side**3)
+        text += ["", *compare(a, side, steps, silt, yade, summary)]
     print("\n".join(text))
     write(os.path.join(a.out, "table.txt"), "\n".join(text))
     return summary.end(a.out)

@@ -1,13 +1,18 @@
 // silt - BSD-3-Clause, see LICENSE
-// Damped bonds that are swung around: their springs bear m w^2 r, and their dashpots nothing.
+// Damped bonds that are swung around: their springs bear m w^2 r, and their dashpots nothing. Bonds
+// without dashpots.
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include <doctest/doctest.h>
 
+#include <silt/bond/build.hpp>
 #include <silt/bond/contact_bond.hpp>
 #include <silt/bond/parallel_bond.hpp>
 #include <silt/boundary/plane.hpp>
 #include <silt/contact/hertz_mindlin.hpp>
+#include <silt/core/random.hpp>
 #include <silt/simulation.hpp>
 
 #include "near.hpp"
@@ -86,6 +91,38 @@ TEST_CASE("bonds that are swung: likewise at a wall that turns") {
   sim.for_each_bond([&](const silt::BondSeen& b) { force = norm(b.force); });
   CHECK(force == near(needed).epsilon(1e-5));
   CHECK(norm(sim.wall("hub").force) == near(needed).epsilon(1e-5));
+}
+
+/// As ParallelBond, but computed with dashpots even where these are 0.
+struct WithDashpots : silt::ParallelBond {
+  bool has_dashpots() const { return true; }
+};
+
+// Without dashpots no velocities are read. Catches ends that take another column for it.
+TEST_CASE("bonds without dashpots: the same bits as with dashpots of 0") {
+  const auto last = [](const auto& model) {
+    silt::Particles<silt::Sphere> p;
+    silt::Random random(7);
+    for (int k = 0; k < 27; ++k)
+      p.add({.position = {2.1 * R * (k % 3), 2.1 * R * (k / 3 % 3), 2.1 * R * (k / 9)},
+             .radius = R * random.uniform(0.8, 1),
+             .density = 2000,
+             .velocity = {random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), 0},
+             .angular_velocity = {random.uniform(-50, 50), 0, random.uniform(-50, 50)}});
+    silt::Simulation sim{std::move(p), silt::Contacts<silt::HertzMindlin>{glass},
+                         silt::Bonds{model}};
+    sim.threads = 1, sim.time_step = 2e-6;
+    silt::bond_near(sim, 0.6 * R);
+    const Vec3d start = sim.position(sim.find(13));
+    sim.run(500 * 2e-6);
+    std::vector<Vec3d> all;
+    for (silt::ParticleId id = 0; id < 27; ++id)
+      all.push_back(sim.position(sim.find(id))), all.push_back(sim.angular_velocity(sim.find(id)));
+    CHECK(norm(all[26] - start) > 0.01 * R);
+    return all;
+  };
+  const silt::ParallelBond rod{.youngs_modulus = E, .tensile_strength = 1e6, .damping = 0};
+  CHECK(last(rod) == last(WithDashpots{rod}));
 }
 
 }  // namespace bond_swing_test

@@ -40,7 +40,9 @@ struct BondAnswer {
 ///
 /// Numbers are stored in single precision and are 0 in lanes without a bond. Optional: a function
 /// holds(), like load(), which finds with less work the lanes that certainly hold; load() is then
-/// called only for the others.
+/// called only for the others. `bool has_dashpots() const`, if it returns false: velocities are not
+/// read, rates of strains are not computed, and the rate_force and rate_couple of an answer count as
+/// 0.
 template <class M>
 concept BondModel = requires(const M& model, const BondedPair& pair, const BondStrain<double>& s,
                              const Vec3d& n, const typename M::template Numbers<double>& p) {

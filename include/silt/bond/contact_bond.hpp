@@ -58,6 +58,7 @@ struct ContactBond {
   Numbers<double> numbers(const BondedPair& p) const {
     return {1, std::sqrt(p.m_eff), 1 / weibull_factor(p.share, weibull_modulus)};
   }
+  bool has_dashpots() const { return damping > 0; }
   template <class Real>
   SILT_INLINE BondAnswer<Real> answer(const BondStrain<Real>& s, const Numbers<Real>& p) const {
     const Vec3<Real>& n = s.normal;

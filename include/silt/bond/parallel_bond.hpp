@@ -79,6 +79,7 @@ struct ParallelBond {
             2 * damping * std::sqrt(kn * p.inertia_eff),
             1 / weibull_factor(p.share, weibull_modulus)};
   }
+  bool has_dashpots() const { return damping > 0; }
   template <class Real>
   SILT_INLINE BondAnswer<Real> answer(const BondStrain<Real>& s, const Numbers<Real>& p) const {
     const Vec3<Real>& n = s.normal;

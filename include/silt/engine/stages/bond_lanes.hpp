@@ -16,7 +16,7 @@
 namespace silt::inline SILT_TARGET::detail {
 
 template <class Model, class Domain, class Arch>
-template <class Engine>
+template <bool damped, class Engine>
 inline void BondStage<Model, Domain, Arch>::run_group(Engine& e, const Domain& domain,
                                                       const typename List::Group& g, double ago,
                                                       Done& done) {
@@ -26,9 +26,9 @@ inline void BondStage<Model, Domain, Arch>::run_group(Engine& e, const Domain& d
   const bool beyond_caches = e.particles.size() > 8000;
   for (std::size_t from = g.from; from < g.to; from += block) {
     const std::size_t count = std::min(block, g.to - from);
-    gather(e, domain, from, count, beyond_caches, b);
+    gather<damped>(e, domain, from, count, beyond_caches, b);
     for (std::size_t k = 0; k < count; k += W)
-      if (const auto bits = run_pack(e, from + k, k, age, b, power))
+      if (const auto bits = run_pack<damped>(e, from + k, k, age, b, power))
         for (std::size_t lane = 0; lane < W; ++lane)
           if (bits >> lane & 1 && from + k + lane < g.to)
             done.over.push_back(static_cast<std::uint32_t>(from + k + lane));
@@ -42,7 +42,7 @@ inline void BondStage<Model, Domain, Arch>::run_group(Engine& e, const Domain& d
 }
 
 template <class Model, class Domain, class Arch>
-template <class Engine>
+template <bool damped, class Engine>
 __attribute__((flatten)) void BondStage<Model, Domain, Arch>::gather(Engine& e,
                                                                      const Domain& domain,
                                                                      std::size_t from,
@@ -50,13 +50,15 @@ __attribute__((flatten)) void BondStage<Model, Domain, Arch>::gather(Engine& e,
                                                                      Block& b) const {
   for (std::size_t k = 0; k < count; k += W) {
     if (ahead) fetch(e, from + k + List::ahead);
-    for_each_member<Real>(ends_of(e.particles, domain, from + k),
-                          [&](auto c, const Real& column) { silt::store(b.ends[c] + k, column); });
+    for_each_member<Real>(ends_of<damped>(e.particles, domain, from + k),
+                          [&](auto c, const Real& column) {
+                            if constexpr (damped || !of_rates(c)) silt::store(b.ends[c] + k, column);
+                          });
   }
 }
 
 template <class Model, class Domain, class Arch>
-template <class State>
+template <bool damped, class State>
 SILT_INLINE auto BondStage<Model, Domain, Arch>::ends_of(const State& particles,
                                                          const Domain& domain, std::size_t k) const
     -> Pack<Real> {
@@ -77,8 +79,11 @@ SILT_INLINE auto BondStage<Model, Domain, Arch>::ends_of(const State& particles,
               c);
   p.ends.apart = {c[0], c[1], c[2]};
   if constexpr (Domain::periodic) p.ends.apart = domain.shortest(p.ends.apart);
-  turned_rows([&](auto l) { return Row::load(&motion[a[l]].vx) - Row::load(&motion[b[l]].vx); }, c);
-  p.ends.velocity = {c[0], c[1], c[2]};
+  if constexpr (damped) {
+    turned_rows([&](auto l) { return Row::load(&motion[a[l]].vx) - Row::load(&motion[b[l]].vx); },
+                c);
+    p.ends.velocity = {c[0], c[1], c[2]};
+  }
   turned_rows([&](auto l) { return Row::load(&motion[a[l]].wx); }, c);
   p.ends.spin_i = Vec3<Real>{c[0], c[1], c[2]} * c[3], p.inv_r_i = c[3];
   turned_rows([&](auto l) { return Row::load(&motion[b[l]].wx); }, c);
@@ -113,20 +118,24 @@ SILT_INLINE void BondStage<Model, Domain, Arch>::put(const Vec3<Real>& v, double
 }
 
 template <class Model, class Domain, class Arch>
-template <class Engine>
+template <bool damped, class Engine>
 __attribute__((flatten)) std::uint64_t BondStage<Model, Domain, Arch>::run_pack(
     const Engine&, std::size_t of_list, std::size_t k, const Real& ago, Block& b,
     [[maybe_unused]] Real& power) const {
-  const auto p =
-      members_of<Pack<Real>, Real>([&](auto c) { return silt::load<Real>(b.ends[c] + k); });
+  const auto p = members_of<Pack<Real>, Real>([&](auto c) {
+    if constexpr (damped || !of_rates(c)) return silt::load<Real>(b.ends[c] + k);
+    return Real(0);
+  });
   auto s = list.columns().strain(of_list, p.ends);
-  take_rates_of(ago, p.ends, s);
+  if constexpr (damped) take_rates_of(ago, p.ends, s);
   const auto numbers = list.columns().template load_numbers<Real>(of_list);
   const auto a = model.answer(s, numbers);
-  const auto l = loads_of(s, a.force, a.couple, a.rate_force, a.rate_couple);
+  const Vec3<Real> none{Real(0), Real(0), Real(0)};
+  const auto l = damped ? loads_of(s, a.force, a.couple, a.rate_force, a.rate_couple)
+                        : loads_of(s, a.force, a.couple, none, none);
   double* const out = b.loads + k * row;
   put(l.force, out), put(l.torque_i * p.inv_r_i, out + 4), put(l.torque_j * p.inv_r_j, out + 8);
-  if constexpr (keeps_ledger<typename Engine::Contacts>)
+  if constexpr (damped && keeps_ledger<typename Engine::Contacts>)
     power += dot(a.rate_force, s.shift_rate) + dot(a.rate_couple, s.turn_rate);
   if constexpr (requires { model.holds_always(); })
     if (model.holds_always()) return 0;

@@ -71,10 +71,15 @@ class BondStage {
     if (list.size() > 0) {
       const auto& groups = list.groups();
       std::vector<Done> done(groups.count());
+      bool damped = true;
+      if constexpr (requires { model.has_dashpots(); }) damped = model.has_dashpots();
       for (std::size_t p = 0; p < groups.phases(); ++p) {
         const auto [from, to] = list.busy(groups.phase(p));
         e.team().for_parts(to - from, [&, first = from](std::size_t g) {
-          run_group(e, domain, list.group(first + g), ago, done[first + g]);
+          if (damped)
+            run_group<true>(e, domain, list.group(first + g), ago, done[first + g]);
+          else
+            run_group<false>(e, domain, list.group(first + g), ago, done[first + g]);
           if constexpr (Engine::of_ranks)  // another rank has the bonds with ghosts too
             if (p >= groups.own_phases()) done[first + g].power *= 0.5;
         });
@@ -316,20 +321,30 @@ class BondStage {
     R inv_r_i, inv_r_j;
   };
   static constexpr std::size_t columns = sizeof(Pack<double>) / sizeof(double);
+  /// Whether a column holds velocities, which only dashpots need.
+  static constexpr bool of_rates(std::size_t column) {
+    using Ends = BondedEnds<double>;
+    const auto is_of = [&](std::size_t first) {
+      return column * sizeof(double) >= first && column * sizeof(double) < first + sizeof(Vec3d);
+    };
+    return is_of(offsetof(Ends, velocity)) || is_of(offsetof(Ends, spin_i)) ||
+           is_of(offsetof(Ends, spin_j));
+  }
   /// Ends in columns and loads in rows, passed between the stages of a block.
   struct Block {
     alignas(64) double ends[columns][block];
     alignas(64) double loads[block * row];
   };
 
-  template <class Engine>
+  /// `damped`: the bonds have dashpots; without them no velocities are read.
+  template <bool damped, class Engine>
   void run_group(Engine& e, const Domain& domain, const typename List::Group& g, double ago,
                  Done& done);
   /// Transposes the rows of the ends of `count` bonds into lanes.
-  template <class Engine>
+  template <bool damped, class Engine>
   __attribute__((flatten)) void gather(Engine& e, const Domain& domain, std::size_t from,
                                        std::size_t count, bool ahead, Block& b) const;
-  template <class State>
+  template <bool damped, class State>
   SILT_INLINE Pack<Real> ends_of(const State& particles, const Domain& domain, std::size_t k) const;
   /// Prefetches the rows of a later pack (PairPipeline::fetch).
   template <class Engine>
@@ -337,7 +352,7 @@ class BondStage {
   SILT_INLINE static void put(const Vec3<Real>& v, double* to);
   /// Writes the loads of the pack at place k of a block, which is at place `of_list` of the list.
   /// Returns which of its bonds are overloaded.
-  template <class Engine>
+  template <bool damped, class Engine>
   __attribute__((flatten)) std::uint64_t run_pack(const Engine&, std::size_t of_list, std::size_t k,
                                                   const Real& ago, Block& b, Real& power) const;
   /// Adds the loads in strides, because neighbours in the list share particles
