@@ -40,6 +40,11 @@ struct RollingOf<First, Rest...> {
                                            RollingOf<Rest...>>::type;
 };
 
+/// Values of the rolling models, to recognise them where there is no model.
+struct RollingValues {
+  double rolling_friction = 0, twisting_friction = 0, damping = 0, rolling_viscosity = 0;
+};
+
 }  // namespace detail
 
 /// The contact axis of a Simulation: a law, its options, and the table of materials.
@@ -94,6 +99,17 @@ class Contacts {
     detail::check_rolling<Rolling>(rolling);
     require(materials.size() > 0, "Contacts: the list of materials is empty; give at least one");
     for (const auto& m : materials) add(m);
+  }
+
+  /// Refused: rolling values without a rolling model.
+  template <bool HasModel = has_rolling>
+  Contacts(const Material&, const detail::RollingValues&) requires(!HasModel) {
+    refuse_rolling<HasModel>();
+  }
+  template <bool HasModel = has_rolling>
+  Contacts(std::initializer_list<Material>,
+           const detail::RollingValues&) requires(several_materials && !HasModel) {
+    refuse_rolling<HasModel>();
   }
 
   /// Returns the index of the first material with these values, and adds the material if there is
@@ -198,6 +214,12 @@ class Contacts {
   }
 
  private:
+  template <bool HasModel>
+  static void refuse_rolling() {
+    static_assert(HasModel,
+                  "rolling values need a rolling model: Contacts<Law, RollingEpsd> (others are in "
+                  "silt/contact/rolling/)");
+  }
   template <class L, bool = detail::HasPairValues<L>>
   struct PairValues {
     using type = typename L::Pair;
