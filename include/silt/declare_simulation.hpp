@@ -56,6 +56,8 @@ using PlainVtkSeries = decltype(vtk_series(std::string(), std::declval<Schedule>
       Random&);                                                                                    \
   extern_or_not template std::vector<std::string> scene_warnings(                                  \
       const detail::SimulationOf<__VA_ARGS__>&);                                                   \
+  extern_or_not template std::vector<std::string> overlap_warnings(                                \
+      const detail::SimulationOf<__VA_ARGS__>&);                                                   \
   extern_or_not template std::vector<std::string> inlet_warnings(                                  \
       const detail::SimulationOf<__VA_ARGS__>&);                                                   \
   extern_or_not template std::vector<std::string> servo_warnings(                                  \

@@ -87,8 +87,14 @@ namespace law_with_std_max {
 namespace law_with_std_sqrt {
 #include "refused/law_with_std_sqrt.cpp"
 }
+namespace rolling_of_several_without_model {
+#include "refused/rolling_of_several_without_model.cpp"
+}
 namespace rolling_with_if {
 #include "refused/rolling_with_if.cpp"
+}
+namespace rolling_without_model {
+#include "refused/rolling_without_model.cpp"
 }
 namespace rolling_of_doubles {
 #include "refused/rolling_of_doubles.cpp"

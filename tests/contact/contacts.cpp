@@ -204,6 +204,63 @@ TEST_CASE("contacts: what is missing or out of range is refused by name") {
           {"RollingEpsd.damping"});
 }
 
+TEST_CASE("contacts: pair and rolling values by number or name are for these two materials alone") {
+  Contacts<HertzMindlin, SeveralMaterials, RollingEpsd> contacts{{glass, steel},
+                                                                 {.rolling_friction = 0.1}};
+  contacts.add(glass, "glass"), contacts.add(steel, "steel"), contacts.add(steel, "coated");
+  contacts.set_pair("glass", "steel", {.restitution = 0.5, .friction = 0.33})
+      .set_pair("coated", 0, {.restitution = 0.5, .friction = 0.44});
+  contacts.set_rolling("steel", "glass", {.rolling_friction = 0.3}).set_rolling(2, 2, {});
+  CHECK(contacts.coefficients(1, 0).friction == 0.33);
+  CHECK(contacts.coefficients(0, 2).friction == 0.44);
+  CHECK(contacts.rolling_coefficients(0, 1).rolling_friction == 0.3);
+  CHECK(contacts.rolling_coefficients(2, 0).rolling_friction == 0.1);
+  CHECK(contacts.rolling_coefficients(2, 2).rolling_friction == 0);
+  refuses([&] { contacts.set_pair("glass", "wood", {.restitution = 0.5, .friction = 0.1}); },
+          {"material 'wood' is not there"});
+}
+
+TEST_CASE("contacts: a refused value says of which material or pair it is") {
+  using Several = Contacts<HertzMindlin, SeveralMaterials, RollingEpsd>;
+  auto bad = steel;
+  bad.restitution = 1.2;
+  const auto starts = [](const auto& action, const std::string& words) {
+    std::string sentence;
+    try {
+      action();
+    } catch (const InputError& e) {
+      sentence = e.what();
+    }
+    CAPTURE(sentence);
+    CAPTURE(words);
+    CHECK(sentence.rfind(words, 0) == 0);
+  };
+  // The only one, without a name, needs no words.
+  starts([&] { Contacts<HertzMindlin>{bad}; }, "HertzMindlin restitution = 1.2 [-]");
+  Contacts<HertzMindlin, RollingEpsd> one{glass};
+  starts([&] { one.set_pair(glass, glass, {.restitution = 2, .friction = 0}); },
+         "HertzMindlin restitution = 2 [-]");
+  starts([&] { one.add(bad); }, "material 1: HertzMindlin restitution = 1.2 [-]");
+  starts([&] { one.set_pair(glass, steel, {.restitution = 2, .friction = 0}); },
+         "the pair of material 0 and a new material: HertzMindlin restitution = 2 [-]");
+  CHECK(one.materials() == 1);
+
+  starts([&] { Several{{glass, glass, bad}}; }, "material 1: HertzMindlin restitution = 1.2 [-]");
+  starts([&] { Several{{bad, glass}}; }, "material 0: HertzMindlin restitution = 1.2 [-]");
+  Several contacts{{glass, steel}};
+  contacts.add(steel, "steel");
+  starts([&] { contacts.add(bad, "ore"); }, "material 2 'ore': HertzMindlin restitution = 1.2");
+  const std::string pair = "the pair of material 1 'steel' and material 0: ";
+  starts([&] { contacts.set_pair(steel, glass, {.restitution = 2, .friction = 0}); },
+         pair + "HertzMindlin restitution = 2 [-]");
+  starts([&] { contacts.set_pair("steel", 0, {.restitution = 0.5, .friction = -1}); },
+         pair + "HertzMindlin friction = -1 [-]");
+  starts([&] { contacts.set_rolling(steel, glass, {.rolling_friction = -0.1}); },
+         pair + "RollingEpsd.rolling_friction = -0.1");
+  starts([&] { contacts.set_rolling("steel", 0, {.rolling_friction = -0.1}); },
+         pair + "RollingEpsd.rolling_friction = -0.1");
+}
+
 TEST_CASE(
     "contacts: what a contact carries keeps its length and turns with it, over a whole turn") {
   // A rotation to second order: the length errs by turn^4/8 a step, the angle by turn^3/6.

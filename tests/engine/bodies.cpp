@@ -301,6 +301,18 @@ TEST_CASE("Particles of bodies refuse what makes no sense") {
       {"Fill.form", "3"});
   refused(
       [&] {
+        stones.fill({.min = {0, 0, 0}, .max = {1, 1, 1}}, {.density = 1, .count = 0});
+      },
+      {"Fill.count = 0 [-] must be at least 1", "leave it out for as many as fit"});
+  refused(
+      [&] {
+        silt::Particles<Sphere> spheres;
+        spheres.fill({.min = {0, 0, 0}, .max = {1, 1, 1}},
+                     {.radius = 0.1, .density = 1, .count = 0});
+      },
+      {"Fill.count = 0 [-] must be at least 1", "leave it out for as many as fit"});
+  refused(
+      [&] {
         silt::Particles<Sphere> spheres;
         spheres.fill({.min = {0, 0, 0}, .max = {1, 1, 1}},
                      {.radius = silt::uniform(0.1, 0.2), .density = 1, .form = 1});

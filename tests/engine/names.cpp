@@ -91,7 +91,8 @@ TEST_CASE("names of materials: they find the material; those that cannot be are 
   refused([&] { contacts.add(soft, "steel"); }, {"material 1 has the name 'steel' already"});
   refused([&] { contacts.name_material(0, ""); }, {"a material's name is empty"});
   refused([&] { contacts.name_material(0, "a=b"); }, {"the material name 'a=b'", "printable"});
-  refused([&] { contacts.add(of(-1), "bad"); }, {"material 'bad': ", "youngs_modulus = -1"});
+  refused([&] { contacts.add(of(-1), "bad"); },
+          {"material 3 'bad': HertzMindlin::Material.youngs_modulus = -1"});
   CHECK(contacts.materials() == 3);
 }
 

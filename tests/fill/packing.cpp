@@ -288,6 +288,8 @@ TEST_CASE("packing: requests that make no sense are refused by name") {
   says(box, {.radius = 0.1, .count = 5, .solid_volume = 0.1},
        "FillRequest.count = 5 and FillRequest.solid_volume = 0.1 [m3] are both given");
   says(box, {.radius = 0.1, .gap = -1}, "FillRequest.gap = -1 [m]");
+  says(box, {.radius = 0.1, .count = 0},
+       "FillRequest.count = 0 [-] must be at least 1; leave it out for as many as fit");
   says(box, {.radius = 0.1, .solid_volume = not_a_number}, "FillRequest.solid_volume = nan [m3]");
   says(box, {.radius = 0.1, .solid_volume = 1e-9}, "is less than the smallest sphere");
   says(box, {.radius = 0.1, .trials = 0}, "FillRequest.trials = 0 [-]");

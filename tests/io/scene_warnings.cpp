@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <stdexcept>
@@ -11,6 +12,7 @@
 #include <boundary/support.hpp>
 #include <engine/support.hpp>
 
+#include <silt/bond/parallel_bond.hpp>
 #include <silt/contact/cohesion/dmt.hpp>
 #include <silt/contact/jkr.hpp>
 #include <silt/fluid.hpp>
@@ -23,6 +25,7 @@ namespace {
 
 using namespace engine_test;
 using silt::inlet_warnings;
+using silt::overlap_warnings;
 using silt::Particles;
 using silt::Plane;
 using silt::scene_warnings;
@@ -614,6 +617,66 @@ TEST_CASE("on_warnings: a run that is watched has the bits of one that is not") 
   watched.run(2e-3, silt::on_warnings([](const std::string&) {}));
   alone.run(2e-3);
   CHECK(bits(watched) == bits(alone));
+}
+
+namespace {
+
+/// Two spheres of 1 mm, numbers 1 and 2, whose overlap is `share` of the radius, and one apart.
+template <class... Policies>
+auto overlapping(double share, Policies... policies) {
+  Particles<Sphere> p;
+  p.add({.position = {0, 0, 0.02}, .radius = 1e-3, .density = 2500});
+  p.add({.position = {0, 0, 5e-3}, .radius = 1e-3, .density = 2500});
+  p.add({.position = {2e-3 - share * 1e-3, 0, 5e-3}, .radius = 1e-3, .density = 2500});
+  silt::Simulation sim{std::move(p), silt::Contacts<HertzMindlin>{rubber}, policies...};
+  sim.time_step = 1e-6;
+  sim.threads = 1;
+  return sim;
+}
+template <class Sim>
+Sentences warned_in(Sim& sim, double duration) {
+  Sentences got;
+  sim.run(duration,
+          silt::on_warnings([&](const std::string& sentence) { got.push_back(sentence); }));
+  return got;
+}
+
+}  // namespace
+
+TEST_CASE("overlap_warnings: particles that start deep in each other or in a wall") {
+  auto deep = overlapping(0.2);
+  CHECK(overlap_warnings(deep).empty());  // before its first step
+  CHECK(is_one(warned_in(deep, 1e-4),
+               {"1 contact overlaps by more than 5 % of the smaller radius at the start, at most "
+                "by 20 % (particles 1 and 2); they will be pushed apart"}));
+  CHECK(is_silent(warned_in(deep, 1e-5)));
+  auto in_wall = overlapping(0.049);
+  in_wall.add_wall(Plane{{0, 0, 4.1e-3}, {0, 0, 1}}, rubber, {.name = "floor"});
+  CHECK(is_one(warned_in(in_wall, 0), {"2 contacts overlap by more than 5 %",
+                                       "at most by 10 % (particle 1 and wall 0 "
+                                       "'floor')"}));
+}
+
+TEST_CASE("overlap_warnings: silent on slight overlaps, bonds, edits and restarts") {
+  auto slight = overlapping(0.049);
+  CHECK(is_silent(warned_in(slight, 1e-5)));
+  // What is added later, and a run that continues.
+  Particles<Sphere> more;
+  more.add({.position = {0.2e-3, 0, 0.0217}, .radius = 1e-3, .density = 2500});
+  slight.add(more);
+  CHECK(is_silent(warned_in(slight, 1e-5)));
+  const auto file = std::filesystem::temp_directory_path() / "silt_overlap_warnings.silt";
+  auto deep = overlapping(0.2), again = overlapping(0.2);
+  deep.run(1e-6);
+  silt::save_checkpoint(deep, file.string());
+  silt::load_checkpoint(again, file.string());
+  std::filesystem::remove(file);
+  CHECK(is_silent(warned_in(again, 1e-5)));
+  CHECK(again.peak_overlap() > 0.19);
+  // A bonded pair has no contact.
+  auto bonded = overlapping(0.2, silt::Bonds{silt::ParallelBond{.youngs_modulus = 1e7}});
+  bonded.bond(1, 2);
+  CHECK(is_silent(warned_in(bonded, 1e-5)));
 }
 
 }  // namespace scene_warnings_test

@@ -235,6 +235,27 @@ TEST_CASE("rank output: progress and warnings come from rank 0 alone") {
   CHECK(count_of(text, "\n") == warnings.size() + 1);  // ... and one line of progress
 }
 
+TEST_CASE("rank output: contacts that overlap at the start are counted once over all ranks") {
+  std::vector<std::string> warnings;
+  silt::run_on_ranks(3, [&](const silt::ThreadComm& comm) {
+    with_bed(
+        {},
+        [&](auto& sim) {
+          silt::Particles<silt::Sphere> row;  // above the bed, over all slabs; numbers from 54 on
+          for (int k = 0; k < 6; ++k)
+            row.add({.position = {0.005 + 0.009 * k + (k == 5 ? -1e-5 : 0), 0.0135, 0.05},
+                     .radius = 0.005,
+                     .density = 2500});
+          sim.add(row);
+          sim.run(1e-5, silt::on_warnings([&](const std::string& w) { warnings.push_back(w); }));
+        },
+        bed_slabs(comm));
+  });
+  REQUIRE(warnings.size() == 1);
+  CHECK(holds(warnings[0], "5 contacts overlap by more than 5 %"));
+  CHECK(holds(warnings[0], "at most by 20.2 % (particles 58 and 59)"));
+}
+
 }  // namespace
 
 }  // namespace parallel_rank_output_test

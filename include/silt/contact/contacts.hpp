@@ -40,6 +40,11 @@ struct RollingOf<First, Rest...> {
                                            RollingOf<Rest...>>::type;
 };
 
+/// Values of the rolling models, to recognise them where there is no model.
+struct RollingValues {
+  double rolling_friction = 0, twisting_friction = 0, damping = 0, rolling_viscosity = 0;
+};
+
 }  // namespace detail
 
 /// The contact axis of a Simulation: a law, its options, and the table of materials.
@@ -96,6 +101,17 @@ class Contacts {
     for (const auto& m : materials) add(m);
   }
 
+  /// Refused: rolling values without a rolling model.
+  template <bool HasModel = has_rolling>
+  Contacts(const Material&, const detail::RollingValues&) requires(!HasModel) {
+    refuse_rolling<HasModel>();
+  }
+  template <bool HasModel = has_rolling>
+  Contacts(std::initializer_list<Material>,
+           const detail::RollingValues&) requires(several_materials && !HasModel) {
+    refuse_rolling<HasModel>();
+  }
+
   /// Returns the index of the first material with these values, and adds the material if there is
   /// none. With `name`: the equal material of this name; else the first equal one without a name,
   /// which then gets it; else a new one. InputError if a material of other values has this name.
@@ -103,7 +119,7 @@ class Contacts {
     const std::size_t k = number_for(material, name);
     if (!name.empty()) names().check(name, k);
     if constexpr (requires { Law::check(material); })
-      detail::check_named("material", name, [&] { Law::check(material); });
+      detail::check_of([&] { return words_of(k, name); }, [&] { Law::check(material); });
     if (k == materials_.size()) add_new(material);
     if (!name.empty()) names_[k] = std::move(name);
     return k;
@@ -119,8 +135,16 @@ class Contacts {
   /// values.
   template <class L = Law>
   Contacts& set_pair(const Material& a, const Material& b, const typename L::Pair& pair) {
-    if constexpr (requires { Law::check(pair); }) Law::check(pair);
+    check_pair(number_for(a, {}), number_for(b, {}), pair);
     for_equal(a, b, [&](Entry& e) { e.pair = pair; });
+    return *this;
+  }
+  /// The same for these two materials only, by number or name.
+  template <class L = Law>
+  Contacts& set_pair(const WhichMaterial& a, const WhichMaterial& b, const typename L::Pair& pair) {
+    const std::size_t i = material_number(a), j = material_number(b);
+    check_pair(i, j, pair);
+    entry(i, j).pair = entry(j, i).pair = pair;
     return *this;
   }
 
@@ -128,8 +152,16 @@ class Contacts {
   /// with these values.
   Contacts& set_rolling(const Material& a, const Material& b,
                         const RollingPair& rolling) requires has_rolling {
-    detail::check_rolling<Rolling>(rolling);
+    check_rolling(number_for(a, {}), number_for(b, {}), rolling);
     for_equal(a, b, [&](Entry& e) { e.rolling = rolling; });
+    return *this;
+  }
+  /// The same for these two materials only, by number or name.
+  Contacts& set_rolling(const WhichMaterial& a, const WhichMaterial& b,
+                        const RollingPair& rolling) requires has_rolling {
+    const std::size_t i = material_number(a), j = material_number(b);
+    check_rolling(i, j, rolling);
+    entry(i, j).rolling = entry(j, i).rolling = rolling;
     return *this;
   }
 
@@ -147,19 +179,6 @@ class Contacts {
     return k < names_.size() ? std::string_view(names_[k]) : std::string_view();
   }
 
-  /// As set_pair, for these two materials only, by number or name.
-  template <class L = Law>
-  void set_pair_of(const WhichMaterial& a, const WhichMaterial& b, const typename L::Pair& pair) {
-    if constexpr (requires { Law::check(pair); }) Law::check(pair);
-    const std::size_t i = material_number(a), j = material_number(b);
-    entry(i, j).pair = entry(j, i).pair = pair;
-  }
-  void set_rolling_of(const WhichMaterial& a, const WhichMaterial& b,
-                      const RollingPair& rolling) requires has_rolling {
-    detail::check_rolling<Rolling>(rolling);
-    const std::size_t i = material_number(a), j = material_number(b);
-    entry(i, j).rolling = entry(j, i).rolling = rolling;
-  }
   /// Whether the values for contacts of materials a and b are complete.
   bool has_pair(std::size_t a, std::size_t b) const {
     if constexpr (detail::HasPairValues<Law>)
@@ -195,6 +214,12 @@ class Contacts {
   }
 
  private:
+  template <bool HasModel>
+  static void refuse_rolling() {
+    static_assert(HasModel,
+                  "rolling values need a rolling model: Contacts<Law, RollingEpsd> (others are in "
+                  "silt/contact/rolling/)");
+  }
   template <class L, bool = detail::HasPairValues<L>>
   struct PairValues {
     using type = typename L::Pair;
@@ -207,6 +232,28 @@ class Contacts {
     std::optional<typename PairValues<Law>::type> pair;
     std::optional<RollingPair> rolling;
   };
+  /// Material k in a refusal: "material 2 'steel'"; empty for the only one without a name.
+  [[gnu::cold]] std::string words_of(std::size_t k, std::string_view name) const {
+    const bool alone = !several_materials && k == 0 && materials_.size() <= 1;
+    return alone && name.empty() ? std::string() : detail::numbered("material", k, name);
+  }
+  /// A pair in a refusal; a number beyond the table is that of a material that is not yet in it.
+  [[gnu::cold]] std::string words_of_pair(std::size_t a, std::size_t b) const {
+    const auto words = [this](std::size_t k) {
+      return k < materials_.size() ? material_name(k) : std::string("a new material");
+    };
+    if (a == b && words_of(a, given_name(a)).empty()) return {};
+    return text("the pair of ", words(a), " and ", words(b));
+  }
+  template <class Pair>
+  void check_pair(std::size_t a, std::size_t b, const Pair& pair) const {
+    if constexpr (requires { Law::check(pair); })
+      detail::check_of([&] { return words_of_pair(a, b); }, [&] { Law::check(pair); });
+  }
+  void check_rolling(std::size_t a, std::size_t b, const RollingPair& rolling) const {
+    detail::check_of([&] { return words_of_pair(a, b); },
+                     [&] { detail::check_rolling<Rolling>(rolling); });
+  }
   Entry& entry(std::size_t i, std::size_t j) { return pairs_[i * materials_.size() + j]; }
   /// Calls f(entry) for each pair of materials with these values; adds them if they are new.
   template <class F>

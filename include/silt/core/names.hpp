@@ -122,15 +122,20 @@ auto names_in(const char* what, const All& all, const char* given_by) {
                [&all](std::size_t k) -> const std::string& { return all[k].name; }, given_by};
 }
 
-/// Calls check(); a refusal mentions the thing with this name.
-template <class Check>
-void check_named(const char* what, const std::string& name, const Check& check) {
-  if (name.empty()) return check();
+/// Calls check(); a refusal begins with words(), unless these are empty.
+template <class Words, class Check>
+void check_of(const Words& words, const Check& check) {
   try {
     check();
   } catch (const InputError& e) {
-    throw InputError(text(what, " '", name, "': ", e.what()));
+    const std::string of = words();
+    throw InputError(of.empty() ? std::string(e.what()) : text(of, ": ", e.what()));
   }
+}
+/// Calls check(); a refusal mentions the thing with this name.
+template <class Check>
+void check_named(const char* what, const std::string& name, const Check& check) {
+  check_of([&] { return name.empty() ? std::string() : text(what, " '", name, "'"); }, check);
 }
 
 }  // namespace detail

@@ -228,6 +228,7 @@ class Particles<S> {
   /// be met, throws InputError and adds none; the message says how many would fit, and why no more.
   template <Region R>
   Particles& fill(const R& region, const Fill& fill) {
+    detail::require_count("Fill", fill.count);
     require_positive("Fill.density", fill.density, "kg/m3");
     require(is_finite(fill.velocity), "Fill.velocity = ", fill.velocity, " [m/s] must be finite");
     require(fill.form < forms_.size(), "Fill.form = ", fill.form, " must be less than ",

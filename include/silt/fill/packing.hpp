@@ -188,9 +188,9 @@ enum class Arrangement { Random, Lattice };
 /// one size keep part of its order as they settle; if this is a problem, use Random or vary the
 /// sizes by some per cent.
 struct FillRequest {
-  SizeDistribution radius;  // [m]
-  std::size_t count = 0;    // [-] number of spheres; 0: not used
-  double solid_volume = 0;  // [m3] of all spheres; 0: not used
+  SizeDistribution radius;                // [m]
+  std::optional<std::size_t> count = {};  // [-] number of spheres
+  double solid_volume = 0;                // [m3] of all spheres; 0: not used
   Arrangement arrangement = Arrangement::Lattice;
   double gap = 0;              // [m] smallest distance between surfaces of spheres
   std::uint64_t seed = 1;      // same seed, same spheres
@@ -213,15 +213,24 @@ inline void require_radius(const char* of, const SizeDistribution& radius) {
           "distribution such as uniform(1e-3, 2e-3)");
 }
 
+/// 0 spheres are a mistake: a count of 0 would otherwise be taken for one left out.
+inline void require_count(const char* of, const std::optional<std::size_t>& count) {
+  require(count != 0, of,
+          ".count = 0 [-] must be at least 1; leave it out for as many as fit, and leave out the "
+          "call for none");
+}
+
 template <class R>
 void check(const R& place, const FillRequest& request) {
   require_radius("FillRequest", request.radius);
+  require_count("FillRequest", request.count);
   require_not_negative("FillRequest.gap", request.gap, "m");
   require_not_negative("FillRequest.solid_volume", request.solid_volume, "m3");
   require(request.trials > 0, "FillRequest.trials = 0 [-] must be at least 1");
-  require(request.count == 0 || request.solid_volume == 0, "FillRequest.count = ", request.count,
+  require(!request.count || request.solid_volume == 0,
+          "FillRequest.count = ", request.count.value_or(0),
           " and FillRequest.solid_volume = ", request.solid_volume,
-          " [m3] are both given; give one of them and leave the other 0");
+          " [m3] are both given; give one of them and leave out the other");
   const Box b = place.bounds();
   require(is_finite(b.min) && is_finite(b.max) && b.min.x < b.max.x && b.min.y < b.max.y &&
               b.min.z < b.max.z && std::isfinite(place.volume()) && place.volume() > 0,
@@ -240,7 +249,7 @@ inline std::vector<double> draw_radii(const FillRequest& request, double region_
   const bool by_volume = request.solid_volume > 0;
   const double wanted = by_volume ? std::min(request.solid_volume, region_volume) : region_volume;
   std::vector<double> radii;
-  for (double sum = 0; sum < wanted && (request.count == 0 || radii.size() < request.count);) {
+  for (double sum = 0; sum < wanted && (!request.count || radii.size() < *request.count);) {
     const double radius = request.radius.sample(random), volume = sphere_volume(radius);
     // Stops on the side of the requested volume that is nearer.
     if (by_volume && !radii.empty() && sum + volume - wanted > wanted - sum) break;
@@ -408,7 +417,7 @@ FillResult pack(const R& region, const FillRequest& request,
   SphereGrid occupied;
   for (const auto& sphere : already) occupied.insert(sphere);
 
-  const bool all_that_fit = request.count == 0 && request.solid_volume == 0;
+  const bool all_that_fit = !request.count && request.solid_volume == 0;
   const double largest = *std::max_element(radii.begin(), radii.end());
   const double spacing = 1.05 * (2 * largest + request.gap);  // [m] between lattice sites
   FillResult result;
@@ -419,8 +428,8 @@ FillResult pack(const R& region, const FillRequest& request,
     result.spheres = detail::pack_random(place, request, radii, occupied, random);
   }
   const std::size_t placed = result.spheres.size();
-  if (request.count > 0) {
-    result.requested = request.count;
+  if (request.count) {
+    result.requested = *request.count;
   } else if (all_that_fit) {
     result.requested = std::max<std::size_t>(placed, 1);  // none at all also needs a message
   } else if (request.solid_volume <= place.volume()) {

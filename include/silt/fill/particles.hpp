@@ -19,9 +19,9 @@ namespace silt::inline SILT_TARGET {
 struct Fill {
   SizeDistribution radius{};  // [m] of spheres; for bodies: of the bounding sphere, left out: as
                               // the form was made
-  double density = 0;       // [kg/m3]
-  std::size_t count = 0;    // [-] number of particles; 0: not used
-  double solid_volume = 0;  // [m3] of all spheres; 0: not used
+  double density = 0;         // [kg/m3]
+  std::optional<std::size_t> count = {};  // [-] number of particles
+  double solid_volume = 0;                // [m3] of all spheres; 0: not used
   Arrangement arrangement = Arrangement::Lattice;
   double gap = 0;            // [m] smallest distance between surfaces
   std::uint64_t seed = 1;    // same seed, same spheres
@@ -96,6 +96,7 @@ class Particles {
   template <Region R>
   Particles& fill(const R& region, const Fill& fill) {
     detail::require_radius("Fill", fill.radius);
+    detail::require_count("Fill", fill.count);
     require_positive("Fill.density", fill.density, "kg/m3");
     require(fill.form == 0 && !fill.orientation,
             "Fill: spheres have neither form nor orientation; leave both out");

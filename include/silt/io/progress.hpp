@@ -64,6 +64,10 @@ class Progress {
     first_rank_ = sim.rank() == 0;
     if (options_.warnings) warn(scene_warnings(sim));
   }
+  template <class Sim>
+  void started(const Sim& sim) {
+    if (options_.warnings) warn(overlap_warnings(sim));
+  }
   /// On many ranks no observer may depend on a clock: rank 0 prints between the steps.
   template <class Sim>
   void watch(const Sim& sim) {
@@ -161,6 +165,10 @@ class WarningsObserver {
   template <class Sim>
   void begin(const Sim& sim, double) {
     tell(sim, scene_warnings(sim));
+  }
+  template <class Sim>
+  void started(const Sim& sim) {
+    tell(sim, overlap_warnings(sim));
   }
   template <class Sim>
   bool is_due(const Sim&) const {

@@ -14,6 +14,7 @@
 
 #include <silt/boundary/wall.hpp>
 #include <silt/core/error.hpp>
+#include <silt/engine/checks/guard_overlap.hpp>
 #include <silt/engine/contact/contact_events.hpp>
 #include <silt/engine/contact/contact_record.hpp>
 #include <silt/engine/lists/wall_candidate.hpp>
@@ -304,6 +305,14 @@ class ContactAccess {
     if constexpr (Sim::has_ranks)
       return static_cast<std::size_t>(sim().sum_over_ranks(static_cast<double>(own)));
     return own;
+  }
+  /// The deepest contact of the forces of step 0, and how many overlap by more than `limit` [-] of
+  /// the smaller radius: before anything has moved. Empty later, and in a run that continues.
+  DeepContact overlap_at_start(double limit) const {
+    const Sim& s = sim();
+    if (s.step_ > 0 || s.continued_ || s.scene_changed_ || !(s.engine_.largest_overlap > limit))
+      return {};
+    return deepest_contact(s.engine_, s.domain_, s.kicked_ ? 0 : s.dt_, limit, {});
   }
   /// Number of contacts that the law's safeguard has ended since the start [-] (Softened).
   template <class S = Sim>

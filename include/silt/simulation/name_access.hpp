@@ -39,7 +39,7 @@ class NameAccess {
     auto& contacts = sim().contacts_;
     const std::size_t i = material_number(a), j = material_number(b);
     const bool lacked = !contacts.has_pair(i, j);
-    contacts.set_pair_of(i, j, pair);
+    contacts.set_pair(i, j, pair);
     contacts_changed();
     // Nothing has touched with this pair so far; in the middle of a run something soon may.
     if (lacked && std::max(i, j) < sim().engine_.coefficients.materials)
@@ -50,7 +50,7 @@ class NameAccess {
   void set_rolling(
       const WhichMaterial& a, const WhichMaterial& b,
       const typename S::ContactsType::RollingPair& rolling) requires(S::ContactsType::has_rolling) {
-    sim().contacts_.set_rolling_of(a, b, rolling);
+    sim().contacts_.set_rolling(a, b, rolling);
     contacts_changed();
   }
   /// Allows particles and walls of these two materials, by number or name, to overlap by up to

@@ -44,6 +44,19 @@ template <class O, class Sim>
 void begin(O& observer, Sim& sim, double end_time) {
   if constexpr (requires { observer.begin(sim, end_time); }) observer.begin(sim, end_time);
 }
+/// Calls observers with `started(sim)`, which may make collective calls: the forces of step 0 are
+/// known.
+template <class Sim, class... Observers>
+void started(const Sim& sim, [[maybe_unused]] Observers&... observers) {
+  [[maybe_unused]] const auto one = [&](auto& observer) {
+    if constexpr (requires { observer.started(sim); }) observer.started(sim);
+  };
+  const auto all = [&] { (one(observers), ...); };
+  if constexpr (Sim::has_ranks)
+    sim.engine().ranks.together("the first step of observers", all);
+  else
+    all();
+}
 template <class O, class Sim>
 bool is_due(O& observer, const Sim& sim) {
   if constexpr (requires { observer.is_due(sim); })
@@ -51,12 +64,15 @@ bool is_due(O& observer, const Sim& sim) {
   else
     return true;
 }
-/// With several ranks observers are due on all ranks or on none. This is the part of an observer
-/// that depends on the clock: it is called after each step, on its own rank only, and must make no
-/// collective calls.
-template <class O, class Sim>
-void watch(O& observer, const Sim& sim) {
-  if constexpr (requires { observer.watch(sim); }) observer.watch(sim);
+/// With several ranks observers are due on all ranks or on none. `watch(sim)` is the part of an
+/// observer that depends on the clock: it is called after each step, on its own rank only, and must
+/// make no collective calls.
+template <class Sim, class... Observers>
+void watch([[maybe_unused]] const Sim& sim, [[maybe_unused]] Observers&... observers) {
+  [[maybe_unused]] const auto one = [&](auto& observer) {
+    if constexpr (requires { observer.watch(sim); }) observer.watch(sim);
+  };
+  if constexpr (Sim::has_ranks) sim.engine().ranks.until_later([&] { (one(observers), ...); });
 }
 constexpr ContactsKept all_contacts_if(bool wanted) {
   return wanted ? ContactsKept::All : ContactsKept::Nothing;

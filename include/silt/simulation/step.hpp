@@ -41,9 +41,9 @@ void Simulation<Policies...>::run_steps(double duration, Observers&... observers
         if (!bonds_broken_.empty()) detail::tell_of_rank(*this, bonds_broken_, observers...);
       if constexpr (has_breakage)
         if (!breaks_.events.empty()) detail::tell_of_rank(*this, breaks_.events, observers...);
+      if (step_ == 0) detail::started(*this, observers...);
     }
-    if constexpr (has_ranks)
-      engine_.ranks.until_later([&] { (detail::watch(observers, *this), ...); });
+    detail::watch(*this, observers...);
     if (kicked_ && sizeof...(Observers) > 0) {
       [[maybe_unused]] const bool again = std::exchange(observed_, true);
       const auto observe = [&] {

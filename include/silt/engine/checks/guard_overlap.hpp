@@ -62,6 +62,7 @@ struct DeepContact {
   std::uint32_t a = 0, b = 0;
   std::size_t material_a = 0, material_b = 0, wall = 0;
   bool with_wall = false;
+  std::size_t beyond = 0;  // contacts beyond their limits, each on one rank
 };
 
 /// Calls visit(a, b, wall, with_wall, overlap [-] relative to the smaller radius) for the contacts
@@ -94,15 +95,18 @@ template <class EngineType, class Domain>
 [[gnu::cold]] DeepContact deepest_contact(const EngineType& e, const Domain& domain, double back,
                                           double limit, const OverlapLimits& limits) {
   DeepContact most;
+  std::size_t beyond = 0;
   for_each_overlap(
       e, domain, back,
       [&](std::uint32_t a, std::uint32_t b, std::size_t wall, bool with_wall, double overlap) {
         const std::size_t i = material_of(e, a);
         const std::size_t j = with_wall ? e.walls[wall].material : material_of(e, b);
         const double own = limits.of(i, j, limit);
+        beyond += overlap > own && a < e.particles.owned();
         if (overlap / own > most.excess)
           most = {overlap / own, overlap, own, a, b, i, j, wall, with_wall};
       });
+  most.beyond = beyond;
   return most;
 }
 
