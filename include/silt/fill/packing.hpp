@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -167,6 +168,9 @@ std::optional<Vec3d> try_place(const R& region, const Occupied& occupied, const 
 
 enum class Arrangement { Random, Lattice };
 
+/// The count of a request that leaves it out.
+inline constexpr std::size_t as_many_as_fit = std::numeric_limits<std::size_t>::max();
+
 /// Request for a filling. Give `count` or `solid_volume`, or neither for as many as fit.
 ///
 /// Lattice: hexagonal close packing for the largest sphere drawn plus gap, with 5 % larger spacing;
@@ -188,9 +192,9 @@ enum class Arrangement { Random, Lattice };
 /// one size keep part of its order as they settle; if this is a problem, use Random or vary the
 /// sizes by some per cent.
 struct FillRequest {
-  SizeDistribution radius;                // [m]
-  std::optional<std::size_t> count = {};  // [-] number of spheres
-  double solid_volume = 0;                // [m3] of all spheres; 0: not used
+  SizeDistribution radius;             // [m]
+  std::size_t count = as_many_as_fit;  // [-] number of spheres
+  double solid_volume = 0;             // [m3] of all spheres; 0: not used
   Arrangement arrangement = Arrangement::Lattice;
   double gap = 0;              // [m] smallest distance between surfaces of spheres
   std::uint64_t seed = 1;      // same seed, same spheres
@@ -213,8 +217,8 @@ inline void require_radius(const char* of, const SizeDistribution& radius) {
           "distribution such as uniform(1e-3, 2e-3)");
 }
 
-/// 0 spheres are a mistake: a count of 0 would otherwise be taken for one left out.
-inline void require_count(const char* of, const std::optional<std::size_t>& count) {
+/// A count of 0 is a mistake: often of a program that computes it, or it was meant as "no limit".
+inline void require_count(const char* of, std::size_t count) {
   require(count != 0, of,
           ".count = 0 [-] must be at least 1; leave it out for as many as fit, and leave out the "
           "call for none");
@@ -227,8 +231,8 @@ void check(const R& place, const FillRequest& request) {
   require_not_negative("FillRequest.gap", request.gap, "m");
   require_not_negative("FillRequest.solid_volume", request.solid_volume, "m3");
   require(request.trials > 0, "FillRequest.trials = 0 [-] must be at least 1");
-  require(!request.count || request.solid_volume == 0,
-          "FillRequest.count = ", request.count.value_or(0),
+  require(request.count == as_many_as_fit || request.solid_volume == 0,
+          "FillRequest.count = ", request.count,
           " and FillRequest.solid_volume = ", request.solid_volume,
           " [m3] are both given; give one of them and leave out the other");
   const Box b = place.bounds();
@@ -249,7 +253,7 @@ inline std::vector<double> draw_radii(const FillRequest& request, double region_
   const bool by_volume = request.solid_volume > 0;
   const double wanted = by_volume ? std::min(request.solid_volume, region_volume) : region_volume;
   std::vector<double> radii;
-  for (double sum = 0; sum < wanted && (!request.count || radii.size() < *request.count);) {
+  for (double sum = 0; sum < wanted && radii.size() < request.count;) {
     const double radius = request.radius.sample(random), volume = sphere_volume(radius);
     // Stops on the side of the requested volume that is nearer.
     if (by_volume && !radii.empty() && sum + volume - wanted > wanted - sum) break;
@@ -417,7 +421,7 @@ FillResult pack(const R& region, const FillRequest& request,
   SphereGrid occupied;
   for (const auto& sphere : already) occupied.insert(sphere);
 
-  const bool all_that_fit = !request.count && request.solid_volume == 0;
+  const bool all_that_fit = request.count == as_many_as_fit && request.solid_volume == 0;
   const double largest = *std::max_element(radii.begin(), radii.end());
   const double spacing = 1.05 * (2 * largest + request.gap);  // [m] between lattice sites
   FillResult result;
@@ -428,8 +432,8 @@ FillResult pack(const R& region, const FillRequest& request,
     result.spheres = detail::pack_random(place, request, radii, occupied, random);
   }
   const std::size_t placed = result.spheres.size();
-  if (request.count) {
-    result.requested = *request.count;
+  if (request.count != as_many_as_fit) {
+    result.requested = request.count;
   } else if (all_that_fit) {
     result.requested = std::max<std::size_t>(placed, 1);  // none at all also needs a message
   } else if (request.solid_volume <= place.volume()) {

@@ -20,8 +20,8 @@ struct Fill {
   SizeDistribution radius{};  // [m] of spheres; for bodies: of the bounding sphere, left out: as
                               // the form was made
   double density = 0;         // [kg/m3]
-  std::optional<std::size_t> count = {};  // [-] number of particles
-  double solid_volume = 0;                // [m3] of all spheres; 0: not used
+  std::size_t count = as_many_as_fit;  // [-] number of particles
+  double solid_volume = 0;             // [m3] of all spheres; 0: not used
   Arrangement arrangement = Arrangement::Lattice;
   double gap = 0;            // [m] smallest distance between surfaces
   std::uint64_t seed = 1;    // same seed, same spheres
