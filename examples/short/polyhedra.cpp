@@ -49,7 +49,7 @@ int main() {
                  .form = round,
                  .recipe = {{.share = 0.3, .radius = size, .density = 2600, .form = flat},
                             {.share = 0.3, .radius = size, .density = 2600, .form = longish}}});
-  sim.run(2.5, silt::vtk_series("polyhedra", silt::every(0.1)), silt::progress());
+  sim.run(3.0, silt::vtk_series("polyhedra", silt::every(0.1)), silt::progress());
 
   // In a cone of height H and radius R the mean height is H/4, the mean distance from the axis R/2.
   silt::Vec3d centre = sim.centre_of_mass();
