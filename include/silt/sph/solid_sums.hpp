@@ -41,10 +41,8 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
   const Slip slip = core.setup.slip.value_or(Core::Viscosity::laminar ? Slip::None : Slip::Free);
   const std::size_t first = core.lists.first_pack(Lists::Probe), n = core.lists.packs() - first;
   if (slip == Slip::None) columns.sticking.resize(columns.size(), Vec3d{0, 0, 0});
-  // Particles lie scattered beside their images: they are fetched while earlier sums are made.
-  constexpr std::size_t ahead = 3;  // packs: the next ones may have nothing to sum
+  // Particles lie scattered beside their images: they are fetched while the sums are made.
   const auto fetch = [&](std::size_t pack) {
-    if (pack >= core.lists.packs()) return;
     for (std::size_t row = pack * W; row < (pack + 1) * W; ++row) {
       const std::uint32_t at = solids.of_row(row).wall_row;
       if (at == Lists::none) continue;
@@ -53,9 +51,8 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
     }
   };
   team.for_ranges(n, Lists::packs_a_range, [&](std::size_t, std::size_t from, std::size_t to) {
-    for (std::size_t p = 0; p < ahead; ++p) fetch(first + from + p);
     for (std::size_t p = first + from; p < first + to; ++p) {
-      fetch(p + ahead);
+      fetch(p);
       std::array<SphSeen, W> seen{};
       if (core.lists.sees_liquid(p))
         pairs.look(p, columns.rows, columns.volume, core.lists, seen, columns.brief);
