@@ -187,7 +187,7 @@ TEST_CASE("SPH: a fill that finds no place says which of its inputs leaves none"
                       "long in x; use a smaller spacing");
 }
 
-TEST_CASE("SPH: liquid that has left the region is warned of, alone and in a Simulation") {
+TEST_CASE("SPH: liquid that has left the region, or of few particles, is warned of") {
   SphSetup low = setup;
   low.gravity = {0, 0, -9.81}, low.region.max.z = 0.05;
   // A layer of 40 particles, in a box or falling out of the region.
@@ -206,6 +206,14 @@ TEST_CASE("SPH: liquid that has left the region is warned of, alone and in a Sim
                  "the liquid: 40 of 40 particles (100 %) have left SphSetup.region, from "
                  "(0, 0, 0) to (0.2, 0, 0.05) m, and are lost; close the walls");
   CHECK(kept.warnings().empty());
+
+  SphSetup rough = low;
+  rough.spacing = 0.02;  // a layer of 10
+  Sph few{water, rough};
+  few.add_wall(box({0, -1, 0}, {0.2, 1, 1}));
+  few.fill([](const Vec3d& x) { return x.z < 0.02; });
+  REQUIRE(few.warnings().size() == 1);
+  silt_test::has(few.warnings()[0], "it has 10 particles at a spacing of 0.02 m");
 
   Simulation sim{
       Particles<Sphere>{},

@@ -60,14 +60,22 @@ void sph_check(const Core& core, const SphRow& r) {
 template <class Core>
 [[gnu::cold]] std::vector<std::string> sph_warnings(const Core& core) {
   constexpr double share = 0.05;  // [-] splashes lose less
+  std::vector<std::string> out;
   const auto all = static_cast<double>(core.next_number), left = static_cast<double>(core.left);
-  if (!(left > share * all)) return {};
   const Box& region = core.setup.region;
-  return {sentence("the liquid: ", core.left, " of ", core.next_number, " particles (",
-                   100 * left / all, " %) have left SphSetup.region, from ", region.min, " to ",
-                   region.max,
-                   " m, and are lost; close the walls or enlarge the region; where liquid should "
-                   "leave, put an outlet (Sph::add_outlet)")};
+  if (left > share * all)
+    out.push_back(sentence(
+        "the liquid: ", core.left, " of ", core.next_number, " particles (", 100 * left / all,
+        " %) have left SphSetup.region, from ", region.min, " to ", region.max,
+        " m, and are lost; close the walls or enlarge the region; where liquid should "
+        "leave, put an outlet (Sph::add_outlet)"));
+  // Four a direction, the thinnest layer that the kernel resolves.
+  const int few = core.setup.dimensions == 2 ? 16 : 64;
+  if (all > 0 && all < few)
+    out.push_back(sentence("the liquid: it has ", core.next_number, " particles at a spacing of ",
+                           core.setup.spacing, " m, and its flow is not resolved; a drop needs ",
+                           few, ", four across: use a smaller SphSetup.spacing"));
+  return out;
 }
 /// Whether a point is outside the region.
 template <class Core>

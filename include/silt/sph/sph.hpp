@@ -283,8 +283,9 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     });
   }
   std::size_t left() const { return core().left; }  // ... that left the region
-  /// Sentences for what is probably a mistake: more than 5 % of the liquid has left the region. In
-  /// a Simulation progress() and on_warnings() pass them on at the end of each run.
+  /// Sentences for what is probably a mistake: more than 5 % of the liquid has left the region, or
+  /// it has few particles. In a Simulation progress() and on_warnings() pass them on at the end of
+  /// each run.
   std::vector<std::string> warnings() const { return detail::sph_warnings(core()); }
   std::size_t displaced() const { return core().displaced; }  // ... displaced by a body
   std::size_t wall_particles() const { return core().solids.walls.size(); }
