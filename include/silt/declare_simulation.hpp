@@ -5,7 +5,8 @@
 // without it (docs/building.md):
 //
 //   // my_scene.hpp, included by the scene
-//   #include <silt/declare_simulation.hpp>
+//   #include <silt/core/dyn_array.hpp>
+#include <silt/declare_simulation.hpp>
 //   SILT_DECLARE_SIMULATION(silt::Particles<silt::Sphere>, silt::Contacts<MyLaw>, silt::Mixed)
 //
 //   // my_scene.cpp, compiled once
@@ -52,15 +53,14 @@ using PlainVtkSeries = decltype(vtk_series(std::string(), std::declval<Schedule>
   extern_or_not template std::size_t detail::SimulationOf<__VA_ARGS__>::add_wall(                  \
       Surfaces, const detail::SimulationOf<__VA_ARGS__>::ContactsType::Material&, WallSetup);      \
   extern_or_not template double detail::SimulationOf<__VA_ARGS__>::insert(                         \
-      const std::vector<PlacedSphere>&, const std::vector<std::size_t>&, const InletFlow&,         \
-      Random&);                                                                                    \
-  extern_or_not template std::vector<std::string> scene_warnings(                                  \
+      const DynArray<PlacedSphere>&, const DynArray<std::size_t>&, const InletFlow&, Random&);     \
+  extern_or_not template DynArray<std::string> scene_warnings(                                     \
       const detail::SimulationOf<__VA_ARGS__>&);                                                   \
-  extern_or_not template std::vector<std::string> overlap_warnings(                                \
+  extern_or_not template DynArray<std::string> overlap_warnings(                                   \
       const detail::SimulationOf<__VA_ARGS__>&);                                                   \
-  extern_or_not template std::vector<std::string> inlet_warnings(                                  \
+  extern_or_not template DynArray<std::string> inlet_warnings(                                     \
       const detail::SimulationOf<__VA_ARGS__>&);                                                   \
-  extern_or_not template std::vector<std::string> servo_warnings(                                  \
+  extern_or_not template DynArray<std::string> servo_warnings(                                     \
       const detail::SimulationOf<__VA_ARGS__>&);                                                   \
   extern_or_not template WallTriangles wall_triangles(const detail::SimulationOf<__VA_ARGS__>&,    \
                                                       const Box&);                                 \

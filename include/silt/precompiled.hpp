@@ -6,6 +6,7 @@
 // SILT_PRECOMPILED, with which silt/silt.hpp includes this header; any other simulation still
 // compiles. silt/declare_simulation.hpp does the same for a simulation of your own.
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/declare_simulation.hpp>
 
 // Simulations in silt::precompiled: FOR_EACH(policies...).
@@ -34,12 +35,12 @@
   namespace silt::inline SILT_TARGET {                                                    \
   extern_or_not template VtkFields& VtkFields::add(std::string_view, const __VA_ARGS__&); \
   }
-#define SILT_PRECOMPILED_PIECES(extern_or_not)                      \
-  SILT_PRECOMPILED_FILL(extern_or_not, Box)                         \
-  SILT_PRECOMPILED_FIELD(extern_or_not, std::vector<float>)         \
-  SILT_PRECOMPILED_FIELD(extern_or_not, std::vector<double>)        \
-  SILT_PRECOMPILED_FIELD(extern_or_not, std::vector<std::uint64_t>) \
-  SILT_PRECOMPILED_FIELD(extern_or_not, std::vector<std::array<float, 3>>)
+#define SILT_PRECOMPILED_PIECES(extern_or_not)                   \
+  SILT_PRECOMPILED_FILL(extern_or_not, Box)                      \
+  SILT_PRECOMPILED_FIELD(extern_or_not, DynArray<float>)         \
+  SILT_PRECOMPILED_FIELD(extern_or_not, DynArray<double>)        \
+  SILT_PRECOMPILED_FIELD(extern_or_not, DynArray<std::uint64_t>) \
+  SILT_PRECOMPILED_FIELD(extern_or_not, DynArray<std::array<float, 3>>)
 
 SILT_PRECOMPILED_PIECES(extern)
 SILT_PRECOMPILED_SPHERES(SILT_DECLARE_SIMULATION)

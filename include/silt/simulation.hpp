@@ -15,6 +15,7 @@
 #include <silt/boundary/domain.hpp>
 #include <silt/boundary/wall.hpp>
 #include <silt/contact/contacts.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/coupling/heat_exchange.hpp>
 #include <silt/coupling/no_fluid.hpp>
 #include <silt/engine/checks/contact_rates.hpp>
@@ -182,7 +183,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     domain_.deform(how), scene_changed_ = true;
   }
   /// Adds the particles placed by an inlet.
-  double insert(const std::vector<PlacedSphere>& spheres, const std::vector<std::size_t>& kinds,
+  double insert(const DynArray<PlacedSphere>& spheres, const DynArray<std::size_t>& kinds,
                 const InletFlow& flow, Random& random);
   /// Whether several parts of a body that press on one partner share the stiffness of a contact
   /// (engine/contact/shared_contacts.hpp); default true. Otherwise a body becomes stiffer the more
@@ -357,7 +358,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   [[no_unique_address]] detail::ModuleStage<Modules, Domain> modules_;
   [[no_unique_address]] mutable typename detail::BondsOf<typename Composition::Bonds, Domain,
                                                          typename Composition::Arch>::type bonds_;
-  [[no_unique_address]] std::conditional_t<has_bonds, std::vector<BondBreak>, Nothing>
+  [[no_unique_address]] std::conditional_t<has_bonds, DynArray<BondBreak>, Nothing>
       bonds_broken_;  // in this step
   [[no_unique_address]] typename detail::BreakStageOf<typename Composition::Breaking>::type breaks_;
   [[no_unique_address]] decltype(particles_in_fluid()) in_fluid_;

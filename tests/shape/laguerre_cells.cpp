@@ -443,15 +443,15 @@ TEST_CASE("laguerre_cells: what cannot be cut is refused") {
 
 TEST_CASE("solve_definite: a Laplacian and a pivot lost") {
   // 3 unknowns; rows of the lower half alone are given.
-  std::vector<double> a{4, 99, 99, -1, 3, 99, -2, -1, 5}, b{1, 2, 3};
-  const std::vector<double> full{4, -1, -2, -1, 3, -1, -2, -1, 5}, right = b;
+  silt::DynArray<double> a{4, 99, 99, -1, 3, 99, -2, -1, 5}, b{1, 2, 3};
+  const silt::DynArray<double> full{4, -1, -2, -1, 3, -1, -2, -1, 5}, right = b;
   silt::detail::solve_definite(a, b);
   for (std::size_t i = 0; i < 3; ++i) {
     double sum = 0;
     for (std::size_t j = 0; j < 3; ++j) sum += full[3 * i + j] * b[j];
     CHECK(agree(sum, right[i], 1e-15));
   }
-  std::vector<double> none{0}, held{3};
+  silt::DynArray<double> none{0}, held{3};
   silt::detail::solve_definite(none, held);
   CHECK(held[0] == 0);
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <silt/boundary/domain.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/quaternion.hpp>
 #include <silt/core/storage.hpp>
@@ -45,8 +46,8 @@ struct BondedGrain {
 
 /// Spheres and their bonds, by positions in the list.
 struct BondedSpheres {
-  std::vector<Particles<Sphere>::Particle> spheres;
-  std::vector<std::pair<std::size_t, std::size_t>> bonds;
+  DynArray<Particles<Sphere>::Particle> spheres;
+  DynArray<std::pair<std::size_t, std::size_t>> bonds;
 };
 
 /// `count` equal spheres from the centre `from` to the centre `to` [m], each bonded to the next.
@@ -136,8 +137,8 @@ BondedSpheres agglomerate(const R& region, const FillRequest& request, double ga
 
 namespace detail {
 /// For each sphere the first sphere of its connected piece.
-inline std::vector<std::size_t> first_of_pieces(const BondedSpheres& all) {
-  std::vector<std::size_t> root(all.spheres.size());
+inline DynArray<std::size_t> first_of_pieces(const BondedSpheres& all) {
+  DynArray<std::size_t> root(all.spheres.size());
   std::iota(root.begin(), root.end(), std::size_t{0});
   const auto top = [&root](std::size_t k) {
     while (root[k] != k) k = root[k] = root[root[k]];
@@ -164,7 +165,7 @@ inline void check_bonds(const BondedSpheres& all) {
 template <class Sim>
 void check_new_bonds(const Sim& sim, const BondedSpheres& all) {
   check_bonds(all);
-  std::vector<std::pair<std::size_t, std::size_t>> seen;
+  DynArray<std::pair<std::size_t, std::size_t>> seen;
   for (const auto& [a, b] : all.bonds) {
     Vec3d d = all.spheres[a].position - all.spheres[b].position;
     if constexpr (Sim::Domain::periodic) d = sim.domain().shortest(d);
@@ -192,7 +193,7 @@ inline std::size_t pieces_of(const BondedSpheres& all) {
 inline BondedSpheres largest_piece(const BondedSpheres& all) {
   detail::check_bonds(all);
   const auto root = detail::first_of_pieces(all);
-  std::vector<std::size_t> count(root.size(), 0), place(root.size(), 0);
+  DynArray<std::size_t> count(root.size(), 0), place(root.size(), 0);
   for (const std::size_t r : root) ++count[r];
   const auto most =
       static_cast<std::size_t>(std::max_element(count.begin(), count.end()) - count.begin());
@@ -226,7 +227,7 @@ ParticleId add_bonded(Sim& sim, const BondedSpheres& all) {
   for (const auto& p : all.spheres) more.add(p);
   const ParticleId first = sim.coming_id();
   sim.add(more);
-  std::vector<std::pair<ParticleId, ParticleId>> pairs;
+  DynArray<std::pair<ParticleId, ParticleId>> pairs;
   for (const auto& [a, b] : all.bonds)
     if (!all.spheres[a].fixed || !all.spheres[b].fixed) pairs.push_back({first + a, first + b});
   sim.bond_all(pairs);
@@ -242,8 +243,8 @@ struct SphereSeen {
 };
 /// All spheres of the simulation, of all ranks (collective).
 template <class Sim>
-std::vector<SphereSeen> all_spheres(const Sim& sim) {
-  std::vector<SphereSeen> all;
+DynArray<SphereSeen> all_spheres(const Sim& sim) {
+  DynArray<SphereSeen> all;
   for (std::size_t k = 0; k < sim.rows(); ++k)
     if (sim.is_present(k))
       all.push_back(
@@ -256,15 +257,15 @@ std::vector<SphereSeen> all_spheres(const Sim& sim) {
 }
 /// Whether each of these pairs is bonded on any rank (collective).
 template <class Sim, class Pair>
-std::vector<bool> bonded_of_ranks(const Sim& sim, const std::vector<Pair>& pairs) {
-  std::vector<double> is(pairs.size(), 0);
+DynArray<bool> bonded_of_ranks(const Sim& sim, const DynArray<Pair>& pairs) {
+  DynArray<double> is(pairs.size(), 0);
   for (std::size_t k = 0; k < pairs.size(); ++k)
     is[k] = sim.engine().particles.bonds.holds(pairs[k].i, pairs[k].j) ? 1 : 0;
   if constexpr (Sim::has_ranks) {
     sim.engine().ranks.meet("pairs that are bonded");
     sim.engine().ranks.max_of(std::span<double>(is));
   }
-  std::vector<bool> bonded;
+  DynArray<bool> bonded;
   for (const double one : is) bonded.push_back(one > 0);
   return bonded;
 }
@@ -287,14 +288,14 @@ std::size_t bond_near(Sim& sim, double gap, const Chosen& chosen) {
     bool moves;
     auto operator<=>(const Pair&) const = default;
   };
-  std::vector<Pair> pairs;
+  DynArray<Pair> pairs;
   for (const auto [a, b] : detail::overlapping(grown, sim.domain())) {
     const auto [i, j] = std::minmax(all[a].id, all[b].id);
     if (chosen(i, j)) pairs.push_back({i, j, !all[a].fixed || !all[b].fixed});
   }
   std::sort(pairs.begin(), pairs.end());  // independent of the order of the search
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  std::vector<std::pair<ParticleId, ParticleId>> wanted;
+  DynArray<std::pair<ParticleId, ParticleId>> wanted;
   const auto bonded = detail::bonded_of_ranks(sim, pairs);
   for (std::size_t k = 0; k < pairs.size(); ++k)
     if (!bonded[k] && pairs[k].moves) wanted.push_back({pairs[k].i, pairs[k].j});
@@ -311,9 +312,9 @@ std::size_t bond_near(Sim& sim, double gap) {
 /// of its own. On many ranks numbers, sizes and masses are those of all ranks (collective).
 struct Fragments {
   static constexpr std::size_t no_fragment = std::numeric_limits<std::size_t>::max();
-  std::vector<std::size_t> of;       // each place
-  std::vector<std::size_t> spheres;  // [-] in each fragment
-  std::vector<double> mass;          // [kg] of each, without fixed spheres
+  DynArray<std::size_t> of;       // each place
+  DynArray<std::size_t> spheres;  // [-] in each fragment
+  DynArray<double> mass;          // [kg] of each, without fixed spheres
   /// Number of fragments of at least two spheres [-]; spheres bonded only to a wall do not count.
   std::size_t bonded() const {
     return static_cast<std::size_t>(
@@ -332,13 +333,13 @@ Fragments fragments(const Sim& sim) {
                          [](const auto& p, ParticleId wanted) { return p.id < wanted; }) -
         spheres.begin());
   };
-  std::vector<std::size_t> root(spheres.size());
+  DynArray<std::size_t> root(spheres.size());
   std::iota(root.begin(), root.end(), std::size_t{0});
   const auto top = [&](std::size_t k) {
     while (root[k] != k) k = root[k] = root[root[k]];
     return k;
   };
-  std::vector<std::array<ParticleId, 2>> bonds;
+  DynArray<std::array<ParticleId, 2>> bonds;
   sim.for_each_bond([&](const auto& bond) {
     if (bond.b != no_particle) bonds.push_back({bond.a, bond.b});
   });
@@ -348,7 +349,7 @@ Fragments fragments(const Sim& sim) {
   for (const auto& [a, b] : bonds) root[top(place_of(a))] = top(place_of(b));
   Fragments all;
   all.of.assign(sim.rows(), Fragments::no_fragment);
-  std::vector<std::size_t> number(spheres.size(), Fragments::no_fragment);
+  DynArray<std::size_t> number(spheres.size(), Fragments::no_fragment);
   for (std::size_t p = 0; p < spheres.size(); ++p) {
     auto& mine = number[top(p)];
     if (mine == Fragments::no_fragment)

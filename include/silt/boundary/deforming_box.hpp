@@ -6,9 +6,9 @@
 #include <cmath>
 #include <concepts>
 #include <optional>
-#include <vector>
 
 #include <silt/boundary/domain.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/symmetric3.hpp>
 #include <silt/core/upper3.hpp>
 
@@ -221,8 +221,8 @@ class DeformingBox {
   // --- for checkpoints ----------------------------------------------------------------------
 
   static constexpr std::size_t state_size = 10 * 6 + 3 + 6 * 4;
-  std::vector<double> state() const {
-    std::vector<double> s{work_, mass_, has_moved_ ? 1.0 : 0.0};
+  DynArray<double> state() const {
+    DynArray<double> s{work_, mass_, has_moved_ ? 1.0 : 0.0};
     const Upper3 stress{stress_.x, stress_.y, stress_.z, stress_.xy, stress_.xz, stress_.yz};
     for (const Upper3& m :
          {edges_, rate_, step_gradient_, seen_, strain_, virial_, kinetic_, stress})
@@ -235,7 +235,7 @@ class DeformingBox {
     return s;
   }
   /// InputError if the numbers are not a valid state of a box.
-  void restore(const std::vector<double>& s) {
+  void restore(const DynArray<double>& s) {
     require(s.size() == state_size, "DeformingBox: a state of ", s.size(), " numbers, not ",
             state_size);
     for (const double v : s) require(std::isfinite(v), "DeformingBox: a state with ", v);

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <initializer_list>
 #include <numbers>
-#include <vector>
 
 #include <silt/boundary/triangle_mesh.hpp>
+#include <silt/core/dyn_array.hpp>
 
 /// Walls of finite size, as meshes. Particles touch them from both sides, and touch their edges and
 /// corners as those of any mesh. Surfaces bounded by straight lines are exact. A disc and a capped
@@ -21,15 +21,15 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-using Triangles = std::vector<std::array<Vec3d, 3>>;
+using Triangles = DynArray<std::array<Vec3d, 3>>;
 
 inline void add_quad(Triangles& to, const Vec3d& a, const Vec3d& b, const Vec3d& c,
                      const Vec3d& d) {
   to.push_back({a, b, c}), to.push_back({a, c, d});
 }
 
-inline std::vector<Vec3d> polygon(const char* name, const Vec3d& centre, const Vec3d& axis,
-                                  double radius, int facets) {
+inline DynArray<Vec3d> polygon(const char* name, const Vec3d& centre, const Vec3d& axis,
+                               double radius, int facets) {
   require(is_finite(centre), name, ": centre = ", centre, " [m] must be finite");
   const double length = norm(axis);
   require(std::isfinite(length) && length > 0, name, ": the axis ", axis,
@@ -39,7 +39,7 @@ inline std::vector<Vec3d> polygon(const char* name, const Vec3d& centre, const V
   require(facets >= 3 && facets <= 100000, name, ": facets = ", facets,
           " [-] must be from 3 to 100000");
   const auto [x, y] = across(axis * (1 / length));
-  std::vector<Vec3d> corners;
+  DynArray<Vec3d> corners;
   for (int k = 0; k < facets; ++k) {
     const double angle = 2 * std::numbers::pi * k / facets;
     corners.push_back(centre + radius * std::cos(angle) * x + radius * std::sin(angle) * y);
@@ -119,7 +119,7 @@ inline TriangleMesh sphere_mesh(const Vec3d& centre, double radius, int parts = 
           " [m] must be finite and greater than 0");
   require(parts >= 1 && parts <= 200, "sphere_mesh: parts = ", parts, " [-] must be from 1 to 200");
   // Corners of the icosahedron: two poles and two rings of five.
-  std::vector<Vec3d> at{{0, 0, 1}};
+  DynArray<Vec3d> at{{0, 0, 1}};
   for (int k = 0; k < 10; ++k) {
     const double angle = std::numbers::pi / 5 * k, high = (k % 2 == 0 ? 1 : -1) / std::sqrt(5.0);
     at.push_back(

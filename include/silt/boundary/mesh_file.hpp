@@ -9,13 +9,13 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include <silt/boundary/ply.hpp>
 #include <silt/boundary/polygons.hpp>
 #include <silt/boundary/stl.hpp>
 #include <silt/boundary/triangle_mesh.hpp>
 #include <silt/boundary/vtp_mesh.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/files/text_lines.hpp>
 
 /// Reads surfaces from STL, OBJ, PLY and VTP files. Format: OBJ: Wavefront, Object Files, Advanced
@@ -127,8 +127,8 @@ inline MeshFormat mesh_format_of(const std::string& path) {
 
 /// Triangles of a mesh file, corners times `scale` [m per unit of the file]. Polygons become
 /// triangle fans. The format is given, or recognised by the content, else by the name.
-inline std::vector<std::array<Vec3d, 3>> read_mesh(const std::string& path, double scale = 1,
-                                                   MeshFormat format = MeshFormat::ByContent) {
+inline DynArray<std::array<Vec3d, 3>> read_mesh(const std::string& path, double scale = 1,
+                                                MeshFormat format = MeshFormat::ByContent) {
   require_positive("read_mesh: scale", scale, "m per file unit");
   if (format == MeshFormat::ByContent) format = detail::mesh_format_of(path);
   if (format == MeshFormat::Stl) return read_stl(path, scale);
@@ -143,8 +143,8 @@ inline std::vector<std::array<Vec3d, 3>> read_mesh(const std::string& path, doub
 }
 
 /// Triangles of a mesh, as used by TriangleMesh, Polyhedron::from_mesh, write_stl and read_mesh.
-inline std::vector<std::array<Vec3d, 3>> corners_of(const TriangleMesh& mesh) {
-  std::vector<std::array<Vec3d, 3>> out;
+inline DynArray<std::array<Vec3d, 3>> corners_of(const TriangleMesh& mesh) {
+  DynArray<std::array<Vec3d, 3>> out;
   out.reserve(mesh.triangles().size());
   const auto& at = mesh.vertices();
   for (const auto& t : mesh.triangles()) out.push_back({at[t[0]], at[t[1]], at[t[2]]});

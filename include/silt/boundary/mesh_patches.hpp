@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
-#include <vector>
 
 #include <silt/boundary/triangle_mesh.hpp>
+#include <silt/core/dyn_array.hpp>
 
 /// Fourth part of TriangleMesh: its patches.
 
@@ -18,14 +18,14 @@ namespace silt::inline SILT_TARGET {
 /// of the first triangle, or of its opposite. Floor and walls of a box are separate patches; rough
 /// ground is one. Each patch starts at the largest remaining triangle. Surfaces without common
 /// vertices are connected where the middle of a free side lies on another triangle.
-inline std::vector<std::uint32_t> TriangleMesh::find_patches() const {
+inline DynArray<std::uint32_t> TriangleMesh::find_patches() const {
   constexpr auto none = std::numeric_limits<std::uint32_t>::max();
   constexpr double least_cosine = 0.5;
   const auto count = static_cast<std::uint32_t>(triangles_.size());
 
   // Neighbours across free sides, in both directions.
-  std::vector<std::array<std::uint32_t, 2>> seams;
-  std::vector<std::uint32_t> near;
+  DynArray<std::array<std::uint32_t, 2>> seams;
+  DynArray<std::uint32_t> near;
   for (std::size_t e = 0; e < topology_.edges.size(); ++e) {
     const auto sharing = topology_.triangles_at_edge[static_cast<std::uint32_t>(e)];
     if (sharing.size() != 1) continue;
@@ -38,18 +38,18 @@ inline std::vector<std::uint32_t> TriangleMesh::find_patches() const {
   }
   std::sort(seams.begin(), seams.end());
 
-  std::vector<double> area(count);
+  DynArray<double> area(count);
   for (std::uint32_t t = 0; t < count; ++t) {
     const auto& [a, b, c] = triangles_[t];
     const Vec3d& at = vertices_[a];
     area[t] = norm(cross(vertices_[b] - at, vertices_[c] - at));
   }
-  std::vector<std::uint32_t> largest_first(count);
+  DynArray<std::uint32_t> largest_first(count);
   std::iota(largest_first.begin(), largest_first.end(), 0u);
   std::stable_sort(largest_first.begin(), largest_first.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return area[a] > area[b]; });
 
-  std::vector<std::uint32_t> patch(count, none), open;
+  DynArray<std::uint32_t> patch(count, none), open;
   std::uint32_t patches = 0;
   for (const auto seed : largest_first) {
     if (patch[seed] != none) continue;

@@ -9,8 +9,8 @@
 #include <limits>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/vec3.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -45,7 +45,7 @@ class VertexWelder {
     return best == none ? insert(point) : best;
   }
 
-  std::vector<Vec3d> points;  // [m]
+  DynArray<Vec3d> points;  // [m]
 
  private:
   using Cell = std::array<std::int64_t, 3>;
@@ -74,14 +74,14 @@ class VertexWelder {
     return number;
   }
 
-  std::vector<std::uint32_t> first_, next_;  // chains of points whose cells share a slot
+  DynArray<std::uint32_t> first_, next_;  // chains of points whose cells share a slot
   Vec3d origin_;
   double tolerance_, per_cell_;
 };
 
 /// Lists of numbers, one per key, in one array; `list[key]` is a span.
 struct ListOfLists {
-  std::vector<std::uint32_t> begin{0}, items;
+  DynArray<std::uint32_t> begin{0}, items;
 
   std::span<const std::uint32_t> operator[](std::uint32_t key) const {
     return {items.data() + begin[key], items.data() + begin[key + 1]};
@@ -110,8 +110,8 @@ struct EdgeUse {
 };
 
 /// All triangle sides, sorted so that the uses of an edge follow each other.
-inline std::vector<EdgeUse> sorted_edge_uses(const std::vector<VertexTriple>& triangles) {
-  std::vector<EdgeUse> uses;
+inline DynArray<EdgeUse> sorted_edge_uses(const DynArray<VertexTriple>& triangles) {
+  DynArray<EdgeUse> uses;
   uses.reserve(3 * triangles.size());
   for (std::uint32_t t = 0; t < triangles.size(); ++t)
     for (std::uint32_t k = 0; k < 3; ++k) {
@@ -124,7 +124,7 @@ inline std::vector<EdgeUse> sorted_edge_uses(const std::vector<VertexTriple>& tr
 
 /// True if every edge is traversed as often forwards as backwards: the triangles are consistently
 /// oriented and leave no gap. Solids that share an edge (four triangles there) are closed too.
-inline bool without_boundary(const std::vector<VertexTriple>& triangles) {
+inline bool without_boundary(const DynArray<VertexTriple>& triangles) {
   const auto uses = sorted_edge_uses(triangles);
   int balance = 0;
   for (std::size_t i = 0; i < uses.size(); ++i) {
@@ -137,12 +137,12 @@ inline bool without_boundary(const std::vector<VertexTriple>& triangles) {
 /// Unique edges of triangles with three different vertices, and the triangles at each edge and
 /// vertex.
 struct MeshTopology {
-  std::vector<MeshEdge> edges;
-  std::vector<VertexTriple> edges_of;  // of each triangle: from corner k to corner k + 1
+  DynArray<MeshEdge> edges;
+  DynArray<VertexTriple> edges_of;  // of each triangle: from corner k to corner k + 1
   ListOfLists triangles_at_edge, triangles_at_vertex;
 
   MeshTopology() = default;
-  MeshTopology(const std::vector<Vec3d>& vertices, const std::vector<VertexTriple>& triangles)
+  MeshTopology(const DynArray<Vec3d>& vertices, const DynArray<VertexTriple>& triangles)
       : edges_of(triangles.size()) {
     auto& at_edge = triangles_at_edge;
     const auto uses = sorted_edge_uses(triangles);
@@ -162,7 +162,7 @@ struct MeshTopology {
   }
 
  private:
-  void sort_by_vertex(std::size_t count, const std::vector<VertexTriple>& triangles) {
+  void sort_by_vertex(std::size_t count, const DynArray<VertexTriple>& triangles) {
     auto& [begin, items] = triangles_at_vertex;
     begin.assign(count + 1, 0);
     for (const auto& triangle : triangles)

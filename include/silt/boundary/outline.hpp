@@ -6,20 +6,20 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
-#include <vector>
 
 #include <silt/boundary/cone.hpp>
 #include <silt/boundary/cylinder.hpp>
 #include <silt/boundary/plane.hpp>
 #include <silt/boundary/triangle_mesh.hpp>
 #include <silt/core/box.hpp>
+#include <silt/core/dyn_array.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
 /// Triangles to display a surface.
 struct Outline {
-  std::vector<Vec3d> points;  // [m]
-  std::vector<std::array<std::uint32_t, 3>> triangles;
+  DynArray<Vec3d> points;  // [m]
+  DynArray<std::array<std::uint32_t, 3>> triangles;
 };
 
 /// Part of a plane inside the box `seen`.

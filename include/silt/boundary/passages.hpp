@@ -7,10 +7,10 @@
 #include <cstdint>
 #include <memory>
 #include <variant>
-#include <vector>
 
 #include <silt/boundary/domain.hpp>
 #include <silt/boundary/wall.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -176,7 +176,7 @@ class PassedSurface {
 
   const char* of_;  // who counts, in messages
   Surface surface_;
-  std::vector<std::uint32_t> near_;
+  DynArray<std::uint32_t> near_;
 };
 
 }  // namespace silt::detail

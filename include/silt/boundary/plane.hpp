@@ -3,10 +3,10 @@
 
 #include <cmath>
 #include <limits>
-#include <vector>
 
 #include <silt/boundary/surface_point.hpp>
 #include <silt/core/box.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -55,7 +55,7 @@ struct Plane {
 };
 
 /// The six walls of the box from `min` to `max` [m], facing inwards: x low, x high, y low, ...
-inline std::vector<Plane> box_planes(const Vec3d& min, const Vec3d& max) {
+inline DynArray<Plane> box_planes(const Vec3d& min, const Vec3d& max) {
   require(is_finite(min) && is_finite(max), "box: min = ", min, " and max = ", max,
           " [m] must be finite");
   require(min.x < max.x && min.y < max.y && min.z < max.z, "box: min = ", min,

@@ -8,9 +8,9 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include <silt/boundary/polygons.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/files/atomic_file.hpp>
 #include <silt/files/number_types.hpp>
 #include <silt/files/text_lines.hpp>
@@ -57,7 +57,7 @@ class PlyFile {
   struct Element {
     std::string name;
     std::uint64_t count;
-    std::vector<Property> properties;
+    DynArray<Property> properties;
   };
 
   void read_header() {
@@ -203,7 +203,7 @@ class PlyFile {
   std::string_view content_;
   TextLines lines_;
   bool binary_ = false;
-  std::vector<Element> elements_;
+  DynArray<Element> elements_;
   const Element* element_ = nullptr;
   std::string label_;  // of its values
   std::uint64_t row_ = 0;

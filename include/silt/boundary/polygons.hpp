@@ -4,8 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <string>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/vec3.hpp>
 
@@ -13,11 +13,11 @@ namespace silt::inline SILT_TARGET::detail {
 
 /// A surface as in OBJ, PLY and VTP files: points, and faces given by point numbers.
 struct Polygons {
-  std::string file;                  // prefix of messages
-  std::vector<Vec3d> points;         // in the file's unit
-  std::vector<std::size_t> corners;  // point numbers from 0, face after face
-  std::vector<std::size_t> ends;     // end of each face in `corners`
-  std::vector<std::size_t> lines;    // line of each face in the file; empty: unknown
+  std::string file;               // prefix of messages
+  DynArray<Vec3d> points;         // in the file's unit
+  DynArray<std::size_t> corners;  // point numbers from 0, face after face
+  DynArray<std::size_t> ends;     // end of each face in `corners`
+  DynArray<std::size_t> lines;    // line of each face in the file; empty: unknown
 
   std::string face(std::size_t f) const {
     return lines.empty() ? text(file, ", face ", f + 1, " of ", ends.size())
@@ -28,10 +28,10 @@ struct Polygons {
 /// Polygons as triangle fans from their first corner; points times `scale` [m].
 /// Errors: FileError for a file without faces, a face of fewer than three corners, a point number
 ///         out of range, a point that is not finite, and a polygon whose fan would fold back.
-inline std::vector<std::array<Vec3d, 3>> fanned(const Polygons& p, double scale) {
+inline DynArray<std::array<Vec3d, 3>> fanned(const Polygons& p, double scale) {
   if (p.ends.empty())
     throw FileError(text(p.file, " has no faces; a surface needs triangles or polygons"));
-  std::vector<std::array<Vec3d, 3>> triangles;
+  DynArray<std::array<Vec3d, 3>> triangles;
   std::size_t begin = 0;
   for (std::size_t f = 0; f < p.ends.size(); begin = p.ends[f++]) {
     const std::size_t corners = p.ends[f] - begin;

@@ -9,8 +9,8 @@
 #include <limits>
 #include <string>
 #include <string_view>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/vec3.hpp>
 #include <silt/files/atomic_file.hpp>
@@ -46,8 +46,8 @@ inline void put_u32(std::string& out, std::uint32_t value) {
   for (int k = 0; k < 4; ++k) out += static_cast<char>(value >> 8 * k & 0xff);
 }
 
-inline std::vector<std::array<Vec3d, 3>> parse_binary_stl(std::string_view bytes) {
-  std::vector<std::array<Vec3d, 3>> triangles(get_u32(bytes.data() + 80));
+inline DynArray<std::array<Vec3d, 3>> parse_binary_stl(std::string_view bytes) {
+  DynArray<std::array<Vec3d, 3>> triangles(get_u32(bytes.data() + 80));
   const char* at = bytes.data() + stl_header_bytes;
   const auto coordinate = [&at] {
     const auto value = static_cast<double>(std::bit_cast<float>(get_u32(at)));
@@ -68,8 +68,8 @@ class AsciiStl {
  public:
   AsciiStl(const std::string& path, std::string_view characters) : path_(path), rest_(characters) {}
 
-  std::vector<std::array<Vec3d, 3>> parse() {
-    std::vector<std::array<Vec3d, 3>> triangles;
+  DynArray<std::array<Vec3d, 3>> parse() {
+    DynArray<std::array<Vec3d, 3>> triangles;
     expect(next(), "solid");
     do {
       skip_name();
@@ -163,7 +163,7 @@ class AsciiStl {
 
 /// Binary if the size agrees with the count in the header, whatever the header says; else text if
 /// there is no zero byte, as every binary file has some.
-inline std::vector<std::array<Vec3d, 3>> parse_stl(const std::string& path) {
+inline DynArray<std::array<Vec3d, 3>> parse_stl(const std::string& path) {
   return read_from(path, [&](const File& file, std::uint64_t bytes) {
     if (bytes == 0) stl_error("STL file ", path, " is empty");
     const bool has_header = bytes >= stl_header_bytes;
@@ -206,7 +206,7 @@ inline void append_ascii(std::string& out, const Vec3d& v) {
   out += text(' ', v.x, ' ', v.y, ' ', v.z, '\n');
 }
 
-inline std::string binary_stl(const std::vector<std::array<Vec3d, 3>>& triangles) {
+inline std::string binary_stl(const DynArray<std::array<Vec3d, 3>>& triangles) {
   std::string out = "binary STL written by silt, in metres";  // must not begin with "solid"
   out.resize(80, ' ');
   put_u32(out, static_cast<std::uint32_t>(triangles.size()));
@@ -218,7 +218,7 @@ inline std::string binary_stl(const std::vector<std::array<Vec3d, 3>>& triangles
   return out;
 }
 
-inline std::string ascii_stl(const std::vector<std::array<Vec3d, 3>>& triangles) {
+inline std::string ascii_stl(const DynArray<std::array<Vec3d, 3>>& triangles) {
   std::string out = "solid silt\n";
   for (const auto& triangle : triangles) {
     append_ascii(out += "facet normal", facet_normal(triangle));
@@ -232,7 +232,7 @@ inline std::string ascii_stl(const std::vector<std::array<Vec3d, 3>>& triangles)
 }  // namespace detail
 
 /// Triangles of an ASCII or binary STL file, corners times `scale` [m per unit of the file].
-inline std::vector<std::array<Vec3d, 3>> read_stl(const std::string& path, double scale = 1) {
+inline DynArray<std::array<Vec3d, 3>> read_stl(const std::string& path, double scale = 1) {
   require_positive("read_stl: scale", scale, "m per file unit");
   auto triangles = detail::parse_stl(path);
   if (triangles.empty()) detail::stl_error("STL file ", path, " has no triangles");
@@ -250,7 +250,7 @@ inline std::vector<std::array<Vec3d, 3>> read_stl(const std::string& path, doubl
 
 /// Writes triangles [m]. The file is replaced only when all is written. Binary files round to float
 /// (7 digits), ASCII files keep every digit.
-inline void write_stl(const std::string& path, const std::vector<std::array<Vec3d, 3>>& triangles,
+inline void write_stl(const std::string& path, const DynArray<std::array<Vec3d, 3>>& triangles,
                       StlFormat format = StlFormat::Binary) {
   require(!triangles.empty() && triangles.size() <= std::numeric_limits<std::uint32_t>::max(),
           "write_stl: ", triangles.size(), " triangles for ", path,

@@ -3,10 +3,12 @@
 
 #include <numbers>
 #include <optional>
+#include <vector>
 
 #include <silt/boundary/mesh_topology.hpp>
 #include <silt/boundary/surface_point.hpp>
 #include <silt/boundary/triangle_tree.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -38,16 +40,16 @@ class TriangleMesh {
   static constexpr int max_contacts = 4;
 
   /// `smooth_angle` in [rad].
-  explicit TriangleMesh(const std::vector<std::array<Vec3d, 3>>& soup,
+  explicit TriangleMesh(const DynArray<std::array<Vec3d, 3>>& soup,
                         double smooth_angle = std::numbers::pi / 6);
 
-  const std::vector<Vec3d>& vertices() const { return vertices_; }  // [m]
-  const std::vector<detail::VertexTriple>& triangles() const { return triangles_; }
+  const DynArray<Vec3d>& vertices() const { return vertices_; }  // [m]
+  const DynArray<detail::VertexTriple>& triangles() const { return triangles_; }
   std::size_t dropped_triangles() const { return dropped_; }
-  const std::vector<Vec3d>& normals() const { return normals_; }  // [-] of the triangles
+  const DynArray<Vec3d>& normals() const { return normals_; }  // [-] of the triangles
   const detail::MeshTopology& topology() const { return topology_; }
   /// Patch of each triangle (mesh_patches.hpp).
-  const std::vector<std::uint32_t>& patches() const { return patches_; }
+  const DynArray<std::uint32_t>& patches() const { return patches_; }
   double cos_smooth_angle() const { return cos_smooth_; }
   double round_off() const { return tolerance_; }              // [m] in positions and distances
   double plane_tolerance() const { return plane_tolerance_; }  // [m] of vertices rounded to float
@@ -63,7 +65,12 @@ class TriangleMesh {
   bool contains(const Vec3d& point) const;
 
   /// Triangles with distance < reach, ascending; replaces the content of `out`.
-  void triangles_near(const Vec3d& centre, double reach, std::vector<std::uint32_t>& out) const;
+  void triangles_near(const Vec3d& centre, double reach, DynArray<std::uint32_t>& out) const;
+  void triangles_near(const Vec3d& centre, double reach, std::vector<std::uint32_t>& out) const {
+    DynArray<std::uint32_t> near;
+    triangles_near(centre, reach, near);
+    out = near;
+  }
 
   /// Distance from `centre` to one triangle [m].
   double distance_to(std::uint32_t triangle, const Vec3d& centre) const {
@@ -94,9 +101,9 @@ class TriangleMesh {
     bool flat;     // or beside it within the tolerance of a plane
   };
 
-  static Box checked_bounds(const std::vector<std::array<Vec3d, 3>>& soup);
-  void weld(const std::vector<std::array<Vec3d, 3>>& soup, const Vec3d& origin);
-  std::vector<std::uint32_t> find_patches() const;
+  static Box checked_bounds(const DynArray<std::array<Vec3d, 3>>& soup);
+  void weld(const DynArray<std::array<Vec3d, 3>>& soup, const Vec3d& origin);
+  DynArray<std::uint32_t> find_patches() const;
   std::optional<int> turns_by_ray(const Vec3d& point) const;
   double turns_by_solid_angle(const Vec3d& point) const;
   double sum_of_volumes() const;
@@ -125,19 +132,18 @@ class TriangleMesh {
   double weld_tolerance_ = 0;   // [m]
   double plane_tolerance_ = 0;  // [m] for vertices rounded to float
   double tolerance_ = 0;        // [m] round-off in positions and distances
-  std::vector<Vec3d> vertices_;
-  std::vector<detail::VertexTriple> triangles_;
-  std::vector<Vec3d> normals_;
+  DynArray<Vec3d> vertices_;
+  DynArray<detail::VertexTriple> triangles_;
+  DynArray<Vec3d> normals_;
   std::size_t dropped_ = 0;
   double area_ = 0, volume_ = 0;
   bool closed_ = false;
   detail::MeshTopology topology_;
   detail::TriangleTree tree_;
-  std::vector<std::uint32_t> patches_;
+  DynArray<std::uint32_t> patches_;
 };
 
-inline TriangleMesh::TriangleMesh(const std::vector<std::array<Vec3d, 3>>& soup,
-                                  double smooth_angle) {
+inline TriangleMesh::TriangleMesh(const DynArray<std::array<Vec3d, 3>>& soup, double smooth_angle) {
   // Numbers of faces, edges and vertices share 32 bits: at most 1 + 3 + 3 features per triangle.
   require(!soup.empty() && soup.size() < (1u << 29), "TriangleMesh: ", soup.size(),
           " triangles given; there must be at least 1 and fewer than 2^29");
@@ -152,7 +158,7 @@ inline TriangleMesh::TriangleMesh(const std::vector<std::array<Vec3d, 3>>& soup,
   tolerance_ = 1e-12 * largest;
   weld(soup, all.min);
   topology_ = {vertices_, triangles_};
-  std::vector<Box> boxes(triangles_.size());
+  DynArray<Box> boxes(triangles_.size());
   for (std::size_t t = 0; t < triangles_.size(); ++t)
     for (const auto v : triangles_[t]) boxes[t].include(vertices_[v]);
   tree_ = detail::TriangleTree(boxes);
@@ -160,7 +166,7 @@ inline TriangleMesh::TriangleMesh(const std::vector<std::array<Vec3d, 3>>& soup,
   patches_ = find_patches();
 }
 
-inline Box TriangleMesh::checked_bounds(const std::vector<std::array<Vec3d, 3>>& soup) {
+inline Box TriangleMesh::checked_bounds(const DynArray<std::array<Vec3d, 3>>& soup) {
   Box all;
   for (std::size_t t = 0; t < soup.size(); ++t)
     for (const auto& corner : soup[t]) {
@@ -171,8 +177,8 @@ inline Box TriangleMesh::checked_bounds(const std::vector<std::array<Vec3d, 3>>&
   return all;
 }
 
-inline void TriangleMesh::weld(const std::vector<std::array<Vec3d, 3>>& soup, const Vec3d& origin) {
-  std::vector<detail::VertexTriple> welded;
+inline void TriangleMesh::weld(const DynArray<std::array<Vec3d, 3>>& soup, const Vec3d& origin) {
+  DynArray<detail::VertexTriple> welded;
   if (weld_tolerance_ > 0) {
     detail::VertexWelder welder(3 * soup.size(), origin, weld_tolerance_);
     for (const auto& [a, b, c] : soup) {
@@ -201,7 +207,7 @@ inline void TriangleMesh::weld(const std::vector<std::array<Vec3d, 3>>& soup, co
 }
 
 inline void TriangleMesh::triangles_near(const Vec3d& centre, double reach,
-                                         std::vector<std::uint32_t>& out) const {
+                                         DynArray<std::uint32_t>& out) const {
   out.clear();
   if (!(reach > 0)) return;
   tree_.for_each_near(centre, reach + tolerance_, [&](std::uint32_t t) {

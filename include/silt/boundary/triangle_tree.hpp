@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <numeric>
 #include <utility>
-#include <vector>
 
 #include <silt/core/box.hpp>
+#include <silt/core/dyn_array.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -19,7 +19,7 @@ namespace silt::inline SILT_TARGET::detail {
 class TriangleTree {
  public:
   TriangleTree() = default;
-  explicit TriangleTree(const std::vector<Box>& boxes) : order_(boxes.size()) {
+  explicit TriangleTree(const DynArray<Box>& boxes) : order_(boxes.size()) {
     std::iota(order_.begin(), order_.end(), 0u);
     build(boxes, 0, static_cast<std::uint32_t>(boxes.size()));
   }
@@ -39,7 +39,7 @@ class TriangleTree {
       std::uint32_t node;
       double square;
     };
-    std::vector<Due> due{{0, squared_distance(nodes_.front().box, point)}};
+    DynArray<Due> due{{0, squared_distance(nodes_.front().box, point)}};
     while (!due.empty()) {
       const Due now = due.back();
       due.pop_back();
@@ -78,7 +78,7 @@ class TriangleTree {
   };
   static constexpr std::uint32_t leaf_size = 4;
 
-  void build(const std::vector<Box>& boxes, std::uint32_t first, std::uint32_t last) {
+  void build(const DynArray<Box>& boxes, std::uint32_t first, std::uint32_t last) {
     const auto at = nodes_.size();
     Box around, centres;
     for (auto k = first; k < last; ++k) {
@@ -112,8 +112,8 @@ class TriangleTree {
     return x * x + y * y + z * z;
   }
 
-  std::vector<std::uint32_t> order_;
-  std::vector<Node> nodes_;
+  DynArray<std::uint32_t> order_;
+  DynArray<Node> nodes_;
 };
 
 }  // namespace silt::detail

@@ -9,9 +9,9 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include <silt/boundary/polygons.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/files/number_types.hpp>
 #include <silt/files/text_lines.hpp>
 
@@ -215,8 +215,8 @@ class VtpFile {
       fail_at(*ends_, "ends at ", last, ", but connectivity has ", corners.size(), " entries");
   }
 
-  std::vector<double> values(const Array& a) const {
-    std::vector<double> out;
+  DynArray<double> values(const Array& a) const {
+    DynArray<double> out;
     if (!a.appended) {
       auto rest = xml_.substr(a.begin, std::min(xml_.find('<', a.begin), xml_.size()) - a.begin);
       while (!rest.empty()) {

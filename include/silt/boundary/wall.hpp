@@ -10,7 +10,6 @@
 #include <string_view>
 #include <utility>
 #include <variant>
-#include <vector>
 
 #include <silt/boundary/cone.hpp>
 #include <silt/boundary/cylinder.hpp>
@@ -19,6 +18,7 @@
 #include <silt/boundary/plane.hpp>
 #include <silt/boundary/triangle_mesh.hpp>
 #include <silt/boundary/wall_drive.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/names.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -33,13 +33,13 @@ struct Surfaces {
   Surfaces(const Cone& cone) : parts{cone} {}              // NOLINT
   Surfaces(TriangleMesh mesh)                              // NOLINT
       : parts{std::make_shared<const TriangleMesh>(std::move(mesh))} {}
-  explicit Surfaces(std::vector<Surface> surfaces) : parts(std::move(surfaces)) {}
-  std::vector<Surface> parts;
+  explicit Surfaces(DynArray<Surface> surfaces) : parts(std::move(surfaces)) {}
+  DynArray<Surface> parts;
 };
 
 /// Six planes around a box, facing inwards. InputError unless min < max.
 inline Surfaces box(const Vec3d& min, const Vec3d& max) {
-  std::vector<Surface> parts;
+  DynArray<Surface> parts;
   for (const auto& plane : box_planes(min, max)) parts.emplace_back(plane);
   return Surfaces(std::move(parts));
 }
@@ -87,7 +87,7 @@ struct WallSetup {
 
 /// Wall of a simulation: surfaces, material, motion or drive, and load.
 struct Wall {
-  std::vector<Surface> surfaces;
+  DynArray<Surface> surfaces;
   std::size_t material = 0;  // index in the table of the contacts
   Motion motion;             // prescribed; empty: none
   Pose pose{};               // now
@@ -106,12 +106,12 @@ struct Wall {
   /// After set_mesh replaced surface `deformed` by a mesh of the same topology: displacement [m] of
   /// each vertex in one step, in the wall's coordinates. `deforming` 2: in the next step, 1: in
   /// this one.
-  std::vector<Vec3d> vertex_steps;
+  DynArray<Vec3d> vertex_steps;
   std::size_t deformed = 0;
   int deforming = 0;
   /// [m3] worn volume of each facet of its meshes, mesh after mesh, for each module that computes
   /// wear; empty: none yet.
-  std::vector<double> worn;
+  DynArray<double> worn;
   Box extent;  // [m] of the surfaces, in the wall's coordinates; may be infinite
   /// For a driven wall in a liquid (Sph), in addition to `force` and `torque`: load [N], [N m]
   /// about the drive's centre, and the coefficients of a servo's speed (sph/driven_walls.hpp).
@@ -209,7 +209,7 @@ inline auto names_of_walls(std::span<const Wall> walls) {
 }
 
 /// Bounds of all surfaces in the wall's coordinates.
-inline Box extent_of(const std::vector<Surface>& surfaces) {
+inline Box extent_of(const DynArray<Surface>& surfaces) {
   Box all;
   for (const auto& surface : surfaces)
     all.include(std::visit(

@@ -8,12 +8,12 @@
 #include <cstdint>
 #include <limits>
 #include <utility>
-#include <vector>
 
 #include <silt/breakage/concept.hpp>
 #include <silt/breakage/fatigue.hpp>
 #include <silt/breakage/impact.hpp>
 #include <silt/breakage/sizes.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/position_row.hpp>
 #include <silt/core/vec3.hpp>
@@ -30,10 +30,10 @@ enum class BreakStep {
 
 /// Rules of breakage besides the comminution functions.
 struct BreakageRules {
-  double dust_below;                        // [m] diameter, > 0: smaller fragments become dust
-  std::size_t most_fragments = 100;         // [-] per particle; the rest of its mass becomes dust
-  double separation_speed = 0.1;            // [m/s] >= 0
-  std::vector<std::size_t> materials = {};  // materials that break; empty: all
+  double dust_below;                     // [m] diameter, > 0: smaller fragments become dust
+  std::size_t most_fragments = 100;      // [-] per particle; the rest of its mass becomes dust
+  double separation_speed = 0.1;         // [m/s] >= 0
+  DynArray<std::size_t> materials = {};  // materials that break; empty: all
   std::uint64_t seed = 1;
   BreakStep step = BreakStep::SmallestPossible;
 

@@ -7,10 +7,10 @@
 #include <numbers>
 #include <numeric>
 #include <span>
-#include <vector>
 
 #include <silt/breakage/concept.hpp>
 #include <silt/breakage/size_table.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/random.hpp>
 
@@ -58,10 +58,10 @@ struct FragmentLimits {
 
 /// Result of fragment_sizes() for one event.
 struct FragmentSizes {
-  std::vector<double> masses;  // [kg] descending, diameters of at least dust_below
-  double dust;                 // [kg] mass of the parent minus that of all fragments
-  double dust_largest;         // [m] largest size in the dust: dust_below, or more if `most` has
-                               // limited the number of fragments
+  DynArray<double> masses;  // [kg] descending, diameters of at least dust_below
+  double dust;              // [kg] mass of the parent minus that of all fragments
+  double dust_largest;      // [m] largest size in the dust: dust_below, or more if `most` has
+                            // limited the number of fragments
 };
 
 namespace detail {
@@ -109,10 +109,10 @@ class FragmentNumbers {
     return static_cast<std::size_t>(after - number_.begin());
   }
 
-  double per_volume_;           // [kg/m3] of the cube of a diameter
-  std::vector<double> mass_;    // [kg] of fragments at the classes' edges, descending
-  std::vector<double> below_;   // [-] B there; linear in the mass within a class
-  std::vector<double> number_;  // [1/kg] K there; linear in ln m within a class
+  double per_volume_;        // [kg/m3] of the cube of a diameter
+  DynArray<double> mass_;    // [kg] of fragments at the classes' edges, descending
+  DynArray<double> below_;   // [-] B there; linear in the mass within a class
+  DynArray<double> number_;  // [1/kg] K there; linear in ln m within a class
 };
 
 /// Fragments of one event, in pairs.
@@ -121,8 +121,8 @@ class FragmentDraw {
   FragmentDraw(const FragmentNumbers& numbers, double mass, std::size_t most)
       : numbers_(numbers), left_(mass), most_(most) {}
 
-  std::vector<double> run(Random& random) {
-    std::vector<double> masses;
+  DynArray<double> run(Random& random) {
+    DynArray<double> masses;
     while (masses.size() < most_ && at_ < numbers_.end()) {
       const double one = numbers_.below(at_) / left_;  // of K, for a mean of one fragment
       const double u = random.uniform(), first = at_ + u * one, second = at_ + (2 - u) * one;
@@ -142,7 +142,7 @@ class FragmentDraw {
   }
 
  private:
-  bool take(double K, std::vector<double>& masses) {
+  bool take(double K, DynArray<double>& masses) {
     if (!(K < numbers_.end())) return true;
     const double m = std::min(numbers_.mass(K), left_);
     if (m < numbers_.end_mass()) return false;
@@ -183,13 +183,13 @@ FragmentSizes fragment_sizes(const Function& function, const Broken& parent, dou
 /// breakage function below dust_largest. Mass beyond the outer edges counts in the outer classes;
 /// the shares sum to 1.
 template <BreakageFunction Function>
-std::vector<double> dust_shares(const Function& function, const Broken& parent,
-                                const FragmentSizes& sizes, std::span<const double> edges) {
+DynArray<double> dust_shares(const Function& function, const Broken& parent,
+                             const FragmentSizes& sizes, std::span<const double> edges) {
   const auto falls = [](double edge, double next) { return !(edge < next); };
   require(edges.size() >= 2 && std::adjacent_find(edges.begin(), edges.end(), falls) == edges.end(),
           "dust_shares: the ", edges.size(), " edges must be two or more, and ascend");
   const double top = sizes.dust_largest, all = function.finer(top, parent);
-  std::vector<double> shares(edges.size() - 1);
+  DynArray<double> shares(edges.size() - 1);
   double before = 0;
   for (std::size_t k = 0; k < shares.size(); ++k) {
     const double edge = edges[k + 1];
@@ -208,7 +208,7 @@ template <BreakageFunction Function>
 void add_dust(SizeTable& table, const Function& function, const Broken& parent,
               const FragmentSizes& sizes, double density, double time) {
   if (!(sizes.dust > 0)) return;
-  std::vector<double> edges;
+  DynArray<double> edges;
   const std::size_t last = SizeTable::class_of(sizes.dust_largest);
   for (std::size_t k = 0; k <= last; ++k) edges.push_back(SizeTable::edge(k));
   // The last class ends at the largest dust size, unless that is its lower edge.

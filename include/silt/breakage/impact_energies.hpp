@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/target.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -30,8 +30,8 @@ class ImpactEnergies {
     double walls_energy, pairs_energy;  // [J] their sum
   };
   /// Classes from the first to the last non-empty one.
-  std::vector<Class> table() const {
-    std::vector<Class> all;
+  DynArray<Class> table() const {
+    DynArray<Class> all;
     for (std::size_t c = 0; c < classes; ++c) {
       if (walls_[c].count + pairs_[c].count == 0 && all.empty()) continue;
       all.push_back({std::ldexp(1.0, static_cast<int>(c) + lowest),
@@ -41,15 +41,15 @@ class ImpactEnergies {
     while (!all.empty() && all.back().at_walls + all.back().in_pairs == 0) all.pop_back();
     return all;
   }
-  std::vector<double> state() const {
-    std::vector<double> all;
+  DynArray<double> state() const {
+    DynArray<double> all;
     for (const auto* of : {&walls_, &pairs_})
       for (const One& one : *of)
         all.insert(all.end(), {static_cast<double>(one.count), one.energy});
     return all;
   }
   static constexpr std::size_t numbers = 4 * classes;
-  void restore(const std::vector<double>& all) {
+  void restore(const DynArray<double>& all) {
     std::size_t at = 0;
     for (auto* of : {&walls_, &pairs_})
       for (One& one : *of)

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <numbers>
 #include <span>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/random.hpp>
 #include <silt/core/symmetric3.hpp>
 #include <silt/core/vec3.hpp>
@@ -21,11 +21,11 @@ namespace silt::inline SILT_TARGET {
 /// overlap with those before it.
 ///
 /// Radii [m] descending, none above `radius`; masses [kg]. A single fragment is at the centre.
-inline std::vector<Vec3d> place_fragments(std::span<const double> radii,
-                                          std::span<const double> masses, double radius,
-                                          Random& random) {
+inline DynArray<Vec3d> place_fragments(std::span<const double> radii,
+                                       std::span<const double> masses, double radius,
+                                       Random& random) {
   constexpr int trials = 12;
-  std::vector<Vec3d> places;
+  DynArray<Vec3d> places;
   const auto somewhere = [&](double r) {
     const double z = random.uniform(-1, 1), angle = random.uniform(0, 2 * std::numbers::pi),
                  way = std::max(radius - r, 0.0) * std::cbrt(random.uniform()),

@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <limits>
 #include <span>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -172,9 +172,9 @@ class SizeTable {
   }
 
   /// Complete state as numbers, for checkpoints.
-  std::vector<double> state() const {
-    std::vector<double> out{bin_width_, static_cast<double>(bins_),
-                            static_cast<double>(classes_.size()), largest_};
+  DynArray<double> state() const {
+    DynArray<double> out{bin_width_, static_cast<double>(bins_),
+                         static_cast<double>(classes_.size()), largest_};
     for (const Class& c : classes_) {
       for (const auto* sum : {&c.mass, &c.number})
         out.push_back(sum->sum()), out.push_back(sum->rest());
@@ -249,13 +249,13 @@ class SizeTable {
   double bin_width_;  // [s]
   std::size_t bins_ = 0;
   double largest_ = 0;  // [m]
-  std::vector<Class> classes_;
+  DynArray<Class> classes_;
 };
 
 /// Size tables: one for all, and with several materials one for each.
 struct SizeTables {
   SizeTable all;
-  std::vector<SizeTable> of;  // by material number, as far as any was added
+  DynArray<SizeTable> of;  // by material number, as far as any was added
 
   /// The table of this material; an empty one if nothing was added.
   SizeTable of_material(std::size_t material) const {
@@ -271,8 +271,8 @@ struct SizeTables {
     }
   }
   /// State of the tables of materials as numbers: for each the length, then the numbers.
-  std::vector<double> state_of_materials() const {
-    std::vector<double> out;
+  DynArray<double> state_of_materials() const {
+    DynArray<double> out;
     for (const SizeTable& table : of) {
       const auto numbers = table.state();
       out.push_back(static_cast<double>(numbers.size()));
@@ -281,7 +281,7 @@ struct SizeTables {
     return out;
   }
   /// InputError if the numbers are not a valid state.
-  void restore_of_materials(const std::vector<double>& numbers) {
+  void restore_of_materials(const DynArray<double>& numbers) {
     of.clear();
     for (std::size_t at = 0; at < numbers.size();) {
       const double count = numbers[at++];

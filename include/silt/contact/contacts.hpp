@@ -7,9 +7,9 @@
 #include <string_view>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include <silt/contact/concept.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/names.hpp>
 
@@ -277,7 +277,7 @@ class Contacts {
   void add_new(const Material& material) {
     const std::size_t last = materials_.size(), n = last + 1, like = number_for(material, {});
     materials_.push_back(material), names_.emplace_back();
-    std::vector<Entry> grown(n * n);
+    DynArray<Entry> grown(n * n);
     const auto old = [&](std::size_t k) { return k < last ? k : like; };
     for (std::size_t a = 0; a < n; ++a)
       for (std::size_t b = 0; b < n; ++b)
@@ -290,9 +290,9 @@ class Contacts {
                          "contacts.add(material, name)"};
   }
 
-  std::vector<Material> materials_;
-  std::vector<std::string> names_;  // of each material; empty: none
-  std::vector<Entry> pairs_;        // n x n
+  DynArray<Material> materials_;
+  DynArray<std::string> names_;  // of each material; empty: none
+  DynArray<Entry> pairs_;        // n x n
   RollingPair default_rolling_{};
 };
 

@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/target.hpp>
 
 // Exceptions of silt are outside the namespace of its instruction set. An uncaught one is then
@@ -50,15 +50,15 @@ struct SimulationError : Error {
   };
   template <class V = Place>
   [[gnu::always_inline]] SimulationError(const std::string& sentence, std::int64_t at_step,
-                                         std::vector<std::uint64_t> ids, const V& where)
+                                         DynArray<std::uint64_t> ids, const V& where)
       : Error(sentence),
         step(at_step),
         particles(std::move(ids)),
         position{where.x, where.y, where.z} {}
   SILT_COPIES_INLINE(SimulationError);
   std::int64_t step;
-  std::vector<std::uint64_t> particles;  // ids
-  Place position;                        // [m]
+  DynArray<std::uint64_t> particles;  // ids
+  Place position;                     // [m]
 };
 
 /// A flow step that is too long for the present flow.

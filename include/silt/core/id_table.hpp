@@ -5,8 +5,8 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/position_row.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -34,7 +34,7 @@ class IdTable {
 
  private:
   static constexpr std::size_t page = 1 << 12;
-  std::vector<std::vector<std::uint32_t>> pages_;
+  DynArray<DynArray<std::uint32_t>> pages_;
 };
 
 /// The same for a sparse set of ids, as those of the particles of one of many ranks: 16 to 32 bytes
@@ -73,8 +73,8 @@ class IdHash {
     return k;
   }
   void grow() {
-    std::vector<ParticleId> ids(std::max(least, 2 * ids_.size()), no_particle);
-    std::vector<std::uint32_t> places(ids.size());
+    DynArray<ParticleId> ids(std::max(least, 2 * ids_.size()), no_particle);
+    DynArray<std::uint32_t> places(ids.size());
     ids.swap(ids_), places.swap(places_);
     for (std::size_t k = 0; k < ids.size(); ++k)
       if (ids[k] != no_particle) {
@@ -83,8 +83,8 @@ class IdHash {
       }
   }
 
-  std::vector<ParticleId> ids_;  // size: a power of two; no_particle: free
-  std::vector<std::uint32_t> places_;
+  DynArray<ParticleId> ids_;  // size: a power of two; no_particle: free
+  DynArray<std::uint32_t> places_;
   std::size_t count_ = 0;
 };
 

@@ -11,6 +11,7 @@
 #include <sys/mman.h>
 #endif
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/target.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -26,46 +27,41 @@ inline std::size_t next_shift() {
 
 }  // namespace detail
 
+namespace detail {
+
 /// Memory aligned to cache lines: rows and packs of lanes never straddle two lines. Large blocks
 /// are requested in huge pages (Linux, if /sys/kernel/mm/transparent_hugepage/enabled is "madvise"
 /// or "always"). Particles are accessed all over their arrays, and with pages of 4 KiB most of
 /// these accesses would wait for the page tables too.
-template <class T>
-class CacheAligned {
+class LineMemory {
  public:
-  using value_type = T;
-
-  CacheAligned() = default;
-  template <class U>
-  CacheAligned(const CacheAligned<U>&) {}  // NOLINT: allocators convert
-
-  T* allocate(std::size_t n) {
-    const std::size_t bytes = n * sizeof(T);
-    if (bytes < large) return static_cast<T*>(::operator new(bytes, line));
-    const std::size_t shift = detail::next_shift();
+  static void* get(std::size_t bytes, std::align_val_t) {
+    if (bytes < large) return ::operator new(bytes, line);
+    const std::size_t shift = next_shift();
     const auto base =
         static_cast<std::byte*>(::operator new (bytes + shift, std::align_val_t{page}));
 #if defined(MADV_HUGEPAGE)
     // A hint: if it is refused, pages are small.
     static_cast<void>(madvise(base, (bytes + shift) / page * page, MADV_HUGEPAGE));
 #endif
-    return reinterpret_cast<T*>(base + shift);
+    return base + shift;
   }
-  void deallocate(T* p, std::size_t n) {
-    if (n * sizeof(T) < large) return ::operator delete(p, line);
-    const auto address = reinterpret_cast<std::uintptr_t>(p);
-    ::operator delete (reinterpret_cast<void*>(address - address % page), std::align_val_t{page});
+  static void drop(void* elements, std::size_t bytes, std::align_val_t) {
+    if (bytes < large) return ::operator delete(elements, line);
+    const auto address = reinterpret_cast<std::uintptr_t>(elements);
+    ::operator delete (static_cast<std::byte*>(elements) - address % page, std::align_val_t{page});
   }
-  friend bool operator==(CacheAligned, CacheAligned) { return true; }
 
  private:
   static constexpr std::align_val_t line{64};
   static constexpr std::size_t page = 2 << 20, large = 4 << 20;  // [B]
 };
 
-/// Vector whose memory begins at a cache line.
+}  // namespace detail
+
+/// A vector whose memory begins at a cache line, with the members of std::vector.
 template <class T>
-using AlignedVector = std::vector<T, CacheAligned<T>>;
+using AlignedVector = DynArray<T, detail::LineMemory>;
 
 namespace detail {
 

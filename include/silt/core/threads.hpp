@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <thread>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -151,8 +151,8 @@ class Team {
   mutable std::atomic<std::size_t> done_{0};
   mutable std::atomic<Call> call_{nullptr};
   mutable std::atomic<const void*> body_{nullptr};
-  mutable std::vector<Share> shares_;  // one a thread
-  std::vector<std::thread> workers_;
+  mutable DynArray<Share> shares_;  // one a thread
+  DynArray<std::thread> workers_;
 };
 
 namespace detail {

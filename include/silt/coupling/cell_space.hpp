@@ -8,8 +8,8 @@
 #include <limits>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/coupling/averaging/averaged_form.hpp>
@@ -129,8 +129,8 @@ class PointWeights {
   }
 
   Mesh mesh_;
-  std::vector<Vec3d> points_;  // in the unit ball
-  std::vector<std::vector<Share>> shares_;
+  DynArray<Vec3d> points_;  // in the unit ball
+  DynArray<DynArray<Share>> shares_;
 };
 
 /// Cells of a Grid with the weights of an averaging mode, for flows with flat fields: cell (i, j,

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/fluid/concept.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -12,7 +12,7 @@ namespace silt::inline SILT_TARGET::detail {
 /// Flow values in cells that are needed at particles.
 class CellValues {
  public:
-  using Three = std::vector<CellField>;  // by direction; empty if never needed
+  using Three = DynArray<CellField>;  // by direction; empty if never needed
 
   explicit CellValues(const Grid& g) : velocity(3, CellField(g)), slope(velocity) {}
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <silt/core/box.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/core/vec3.hpp>
 
@@ -46,7 +47,7 @@ struct FluidScene {
   std::array<bool, 3> periodic{};  // periodic directions of the particles,
   Box box;                         // between its min and its max
   /// The simulation's walls; they do not move in memory between two calls of prepare().
-  const std::vector<Wall>* walls = nullptr;
+  const DynArray<Wall>* walls = nullptr;
 };
 
 /// Data about the particles for the choice of the fluid step.
@@ -132,7 +133,7 @@ concept ActiveFluid =
 ///   void check_step(span, pace)       after advance(): throws Error if the step was too long
 ///   void check_state(name, values)    throws InputError for invalid restored values
 ///   warnings()                        sentences that progress() and on_warnings() pass on after a
-///                                     run: std::vector<std::string>
+///                                     run: DynArray<std::string>
 ///   load_on_driven(w)                 its load on the driven wall w of the scene, and its
 ///                                     stiffness for a servo: LiquidOnWall, sph/driven_walls.hpp
 ///   void write(path), file_kind       writes the fluid for ParaView (vtk_series); its ending

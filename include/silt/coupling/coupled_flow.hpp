@@ -11,8 +11,8 @@
 #include <span>
 #include <string>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/coupling/averaging/concept.hpp>
 #include <silt/coupling/cell_values.hpp>
 #include <silt/coupling/concept.hpp>
@@ -265,7 +265,7 @@ class BasicCoupledFlow {
   int opened_ = 0;                            // number of the flow's boundaries at the last opening
   CellField solids_;                          // [m3]
   static constexpr std::size_t of_left = 10;  // numbers of a LeftParticle
-  std::vector<double> left_;                  // since the last step, of_left each
+  DynArray<double> left_;                     // since the last step, of_left each
   std::optional<CellField> emptied_;          // [m3] their volume in the present step
   std::optional<CellField> change_;           // [m3] of solids, for FlowSolver::put_in
   CellValues cells_;

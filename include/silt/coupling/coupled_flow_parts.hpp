@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/coupling/coupled_flow.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -18,10 +19,10 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::spread_left(const CoupledPar
   const AveragedParticles& present = of.shape;
   const std::size_t earlier = left_.size() / of_left, n = earlier + of.taken_out.size();
   if (n == 0) return;
-  std::vector<Vec3d> position(n);
-  std::vector<double> radius(n), volume(n);
-  std::vector<Quaternion> orientation(n);
-  std::vector<std::uint32_t> form(n);
+  DynArray<Vec3d> position(n);
+  DynArray<double> radius(n), volume(n);
+  DynArray<Quaternion> orientation(n);
+  DynArray<std::uint32_t> form(n);
   for (std::size_t p = 0; p < n; ++p) {
     if (p < earlier) {
       const double* const l = &left_[p * of_left];

@@ -7,8 +7,8 @@
 #include <optional>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/coupling/cell_space.hpp>
 #include <silt/coupling/concept.hpp>
 #include <silt/coupling/coupled_step.hpp>
@@ -60,7 +60,7 @@ concept MeshFlow = requires(F& flow, const F& seen, const CellLoads& loads, doub
 template <CellSpace Space, MeshFlow Flow, class Drag, class... Forces>
 class CoupledMesh {
   using Exchange = ParticleExchange<Drag, Forces...>;
-  using Column = std::vector<double>;
+  using Column = DynArray<double>;
   static_assert(
       !Exchange::follows && !Exchange::needs_curl && !Exchange::has_added_mass,
       "CoupledMesh has no derivatives of the velocity, and forces are constant over its step: "

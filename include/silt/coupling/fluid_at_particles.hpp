@@ -3,15 +3,15 @@
 
 #include <array>
 #include <cstddef>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/vec3.hpp>
 #include <silt/fluid/properties.hpp>
 
 namespace silt::inline SILT_TARGET {
 
 /// One number per particle; vectors: one column per direction.
-using ParticleColumn = std::vector<double>;
+using ParticleColumn = DynArray<double>;
 /// Vectors of particles, a column for each direction.
 using ParticleColumns = std::array<ParticleColumn, 3>;
 /// The vector of particle p.

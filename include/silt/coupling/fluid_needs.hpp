@@ -5,8 +5,8 @@
 #include <span>
 #include <string>
 #include <tuple>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/coupling/drag/oriented.hpp>
 #include <silt/coupling/particles_in_fluid.hpp>
@@ -85,7 +85,7 @@ template <class Forces, class Visit>
 void visit_histories(Forces& forces, const Visit& visit) {
   const auto one = [&](auto& force) {
     if constexpr (remembers<std::decay_t<decltype(force)>>) {
-      std::vector<double> state = force.state();
+      DynArray<double> state = force.state();
       visit(std::string("fluid.history"), state);
       force.restore(state);
     }

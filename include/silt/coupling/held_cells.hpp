@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/coupling/cell_values.hpp>
 #include <silt/fluid/grid.hpp>
 
@@ -100,7 +100,7 @@ class HeldCells {
   int count_[3] = {0, 0, 0}, points_[3] = {1, 1, 1};
   double size_[3] = {0, 0, 0};  // [m]
   bool periodic_[3] = {false, false, false};
-  std::vector<HeldValues> values_;
+  DynArray<HeldValues> values_;
 };
 
 }  // namespace silt::detail

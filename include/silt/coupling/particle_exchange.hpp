@@ -8,8 +8,8 @@
 #include <span>
 #include <tuple>
 #include <type_traits>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/coupling/concept.hpp>
 #include <silt/coupling/drag/concept.hpp>
 #include <silt/coupling/drag/oriented.hpp>
@@ -194,10 +194,10 @@ class ParticleExchange {
 
   Drag drag_;
   std::tuple<Forces...> forces_;
-  std::vector<StepResponse> response_;
-  std::vector<Vec3d> slips_;   // [m/s] of forces with a history
-  std::vector<Vec3d> others_;  // [N] of Forces, with FollowedDrag
-  std::vector<FollowStart> start_;
+  DynArray<StepResponse> response_;
+  DynArray<Vec3d> slips_;   // [m/s] of forces with a history
+  DynArray<Vec3d> others_;  // [N] of Forces, with FollowedDrag
+  DynArray<FollowStart> start_;
   HeldAnswer held_answer_;
   double gain_ = 0;  // [-]
   bool moves_ = false, bears_ = false;

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/position_row.hpp>
 #include <silt/coupling/averaging/averaged_form.hpp>
 #include <silt/coupling/averaging/averaged_particles.hpp>
@@ -48,21 +48,21 @@ namespace detail {
 
 /// Particles of a simulation, in sequence, as input of its fluid.
 struct ParticlesInFluid {
-  std::vector<std::size_t> place;  // in the rows of particles
-  std::vector<Vec3d> position, velocity, acceleration, spin, force, torque;
-  std::vector<double> radius, volume, mass;
-  std::vector<Vec3d> owed;     // with FollowedDrag
-  std::vector<HeldDrag> drag;  // with FollowedDrag
-  std::vector<Quaternion> orientation;
-  std::vector<std::uint32_t> form;
-  std::vector<AveragedForm> forms;
-  std::vector<FormInFlow> forms_in_flow;  // if asked for
-  std::vector<std::uint64_t> made;        // BodyForm::made of each form
-  std::vector<ParticleId> id;
-  std::vector<double> temperature, capacity;  // [K], [J/K] of modules with heat exchange
-  double inertia_factor = 0.4;                // [-]
-  std::vector<double> displaced, put_in;      // [m3] in the fluid; since its last step
-  std::vector<LeftParticle> taken_out;
+  DynArray<std::size_t> place;  // in the rows of particles
+  DynArray<Vec3d> position, velocity, acceleration, spin, force, torque;
+  DynArray<double> radius, volume, mass;
+  DynArray<Vec3d> owed;     // with FollowedDrag
+  DynArray<HeldDrag> drag;  // with FollowedDrag
+  DynArray<Quaternion> orientation;
+  DynArray<std::uint32_t> form;
+  DynArray<AveragedForm> forms;
+  DynArray<FormInFlow> forms_in_flow;  // if asked for
+  DynArray<std::uint64_t> made;        // BodyForm::made of each form
+  DynArray<ParticleId> id;
+  DynArray<double> temperature, capacity;  // [K], [J/K] of modules with heat exchange
+  double inertia_factor = 0.4;             // [-]
+  DynArray<double> displaced, put_in;      // [m3] in the fluid; since its last step
+  DynArray<LeftParticle> taken_out;
   bool any_put_in = false;
 
   void resize(std::size_t n, bool bodies, bool spins, bool turns, bool follows) {
@@ -90,7 +90,7 @@ struct ParticlesInFluid {
   }
   /// For form f, which exists or is the next one.
   template <class Value>
-  static void put(std::vector<Value>& of_forms, std::size_t f, Value value) {
+  static void put(DynArray<Value>& of_forms, std::size_t f, Value value) {
     if (f < of_forms.size())
       of_forms[f] = std::move(value);
     else

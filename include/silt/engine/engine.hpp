@@ -9,8 +9,8 @@
 #include <memory>
 #include <optional>
 #include <unordered_map>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/advance/power_on_fixed.hpp>
 #include <silt/engine/advance/tables.hpp>
 #include <silt/engine/advance/wall_motion.hpp>
@@ -61,7 +61,7 @@ class Engine : public Tables<Composition> {
       NearLists<Composition, PairList<ContactsType::history, Scalar, history_in_rows<ContactsType>>,
                 typename WallStage::Contacts, Mover>;
 
-  std::vector<Wall> walls;
+  DynArray<Wall> walls;
   [[no_unique_address]] RankStage<typename Composition::Ranks> ranks;
   Lists lists;
   CoefficientTable<ContactsType> coefficients;
@@ -335,7 +335,7 @@ class Engine : public Tables<Composition> {
   struct NoKick {};
   [[no_unique_address]] std::conditional_t<deforms<Domain>, DeformingBox::Kick, NoKick> box_kick_{};
   AlignedVector<Scalar> sums_;  // [N] load on each particle; zero between steps
-  std::vector<std::uint16_t> kinds_;
+  DynArray<std::uint16_t> kinds_;
   bool offsets_ = Composition::has_breakage;  // some pairs may have an offset (WithOffset)
 };
 

@@ -9,8 +9,8 @@
 #include <cstdint>
 #include <exception>
 #include <numeric>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/engine.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -18,7 +18,7 @@ namespace silt::inline SILT_TARGET::detail {
 template <class Composition>
 void Engine<Composition>::join_own(std::size_t more) requires(Composition::has_ranks) {
   const std::size_t own = particles.owned() - more, ghosts = particles.ghosts;
-  std::vector<std::uint32_t> order(particles.size());
+  DynArray<std::uint32_t> order(particles.size());
   std::iota(order.begin(), order.end(), 0u);
   std::rotate(order.begin() + static_cast<std::ptrdiff_t>(own),
               order.end() - static_cast<std::ptrdiff_t>(more), order.end());

@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/contact/begin_contacts.hpp>
 #include <silt/engine/contact/pair_kinds_of.hpp>
 #include <silt/engine/engine.hpp>
@@ -52,7 +52,7 @@ inline std::size_t Engine<Composition>::row_of(ParticleId id) const {
 template <class Composition>
 inline void Engine<Composition>::remove_all(std::span<const std::size_t> places,
                                             const Domain& domain, double time_step) {
-  std::vector<std::uint32_t> rows;
+  DynArray<std::uint32_t> rows;
   for (const std::size_t k : places) {
     if constexpr (of_bodies) {
       const auto of = mover.rows_of(mover.bodies[k]);

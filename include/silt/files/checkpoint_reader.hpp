@@ -8,8 +8,8 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/files/atomic_file.hpp>
 #include <silt/files/checkpoint_format.hpp>
@@ -69,16 +69,16 @@ class CheckpointReader {
   bool has(std::string_view name) const { return find(name) != nullptr; }
 
   template <class T>
-  std::vector<T> get(std::string_view name) const {
+  DynArray<T> get(std::string_view name) const {
     const Field& field = require_field(name, detail::checkpoint_type<T>());
-    std::vector<T> values(field.count);
+    DynArray<T> values(field.count);
     file_.read_at(field.offset, values.data(), values.size() * sizeof(T));
     return values;
   }
 
   /// The same; refuses a field with another number of values than `count`.
   template <class T>
-  std::vector<T> get(std::string_view name, std::size_t count) const {
+  DynArray<T> get(std::string_view name, std::size_t count) const {
     const Field& field = require_field(name, detail::checkpoint_type<T>());
     if (field.count != count)
       refuse("has ", field.count, " values in its field '", name, "', but ", count, " are needed");
@@ -173,7 +173,7 @@ class CheckpointReader {
 
   void check_sum() const {
     detail::Crc64 crc;
-    std::vector<char> block(std::size_t{1} << 20);
+    DynArray<char> block(std::size_t{1} << 20);
     const std::uint64_t end = size_ - sizeof(std::uint64_t);
     for (std::uint64_t at = 0; at < end; at += block.size()) {
       const auto bytes = static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), end - at));
@@ -220,7 +220,7 @@ class CheckpointReader {
       fields_.push_back(std::move(field));
     }
     if (offset != end || !rest.empty()) refuse_table();
-    std::vector<std::string_view> names;
+    DynArray<std::string_view> names;
     for (const auto& field : fields_) names.push_back(field.name);
     std::sort(names.begin(), names.end());
     const auto twice = std::adjacent_find(names.begin(), names.end());
@@ -252,7 +252,7 @@ class CheckpointReader {
   detail::File file_;
   std::uint64_t size_ = 0;  // [bytes]
   std::string signature_;
-  std::vector<Field> fields_;
+  DynArray<Field> fields_;
 };
 
 }  // namespace silt

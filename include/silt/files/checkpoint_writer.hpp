@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/files/atomic_file.hpp>
 #include <silt/files/checkpoint_format.hpp>
@@ -103,7 +103,7 @@ class CheckpointWriter {
   }
 
   std::string signature_;
-  std::vector<Field> fields_;
+  DynArray<Field> fields_;
 };
 
 }  // namespace silt

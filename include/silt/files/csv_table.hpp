@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/files/atomic_file.hpp>
 
@@ -32,14 +33,14 @@ namespace silt::inline SILT_TARGET {
 class CsvTable {
  public:
   /// A new table; replaces an existing one.
-  CsvTable(const std::string& path, const std::vector<std::string>& columns)
+  CsvTable(const std::string& path, const DynArray<std::string>& columns)
       : CsvTable(path, columns.size(), header(path, columns)) {}
 
   /// Continues a table after a restart: keeps the rows whose first number is at most `limit` (the
   /// time of the restart), and drops later ones and an incomplete last row. Without a file it
   /// starts a new table. The first numbers of the rows must be finite and must not decrease, as
   /// times do; they determine which rows are kept.
-  static CsvTable resume(const std::string& path, const std::vector<std::string>& columns,
+  static CsvTable resume(const std::string& path, const DynArray<std::string>& columns,
                          double limit) {
     std::string content = header(path, columns);
     const std::size_t rows = content.size();
@@ -49,7 +50,7 @@ class CsvTable {
     return table;
   }
   /// The last row that `resume` kept; empty if there is none.
-  const std::vector<double>& kept_row() const { return kept_; }
+  const DynArray<double>& kept_row() const { return kept_; }
 
   void add_row(std::span<const double> row) {
     require(row.size() == columns_, "CsvTable '", file_.name(), "': a row of ", row.size(),
@@ -73,7 +74,7 @@ class CsvTable {
   }
 
   /// The first line of such a table. InputError for unusable column names.
-  static std::string header(const std::string& path, const std::vector<std::string>& columns) {
+  static std::string header(const std::string& path, const DynArray<std::string>& columns) {
     require(!columns.empty(), "CsvTable '", path, "': there are no columns");
     std::string line;
     for (std::size_t k = 0; k < columns.size(); ++k) {
@@ -150,10 +151,10 @@ class CsvTable {
     return first;
   }
 
-  static std::vector<double> last_row(std::string_view content, std::size_t columns) {
+  static DynArray<double> last_row(std::string_view content, std::size_t columns) {
     content.remove_suffix(1);
     content.remove_prefix(content.rfind('\n') + 1);
-    std::vector<double> row(columns);
+    DynArray<double> row(columns);
     for (double& number : row) {
       const char* const after =
           std::from_chars(content.data(), content.data() + content.size(), number).ptr;
@@ -164,7 +165,7 @@ class CsvTable {
   }
 
   std::size_t columns_;
-  std::vector<double> kept_;
+  DynArray<double> kept_;
   std::uint64_t bytes_;  // [bytes] the header and all complete rows
   detail::File file_;
   std::string line_;
@@ -187,7 +188,7 @@ auto row_of(Row row) {
 
 /// Writes a whole table at once; it is complete or absent.
 template <class Rows>
-void write_csv(const std::string& path, const std::vector<std::string>& columns, const Rows& rows) {
+void write_csv(const std::string& path, const DynArray<std::string>& columns, const Rows& rows) {
   std::string all;
   for (const auto& name : columns) all += (all.empty() ? "" : ",") + name;
   all += '\n';

@@ -13,9 +13,9 @@
 #include <string_view>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include <silt/core/box.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/vec3.hpp>
 #include <silt/files/atomic_file.hpp>
@@ -141,7 +141,7 @@ inline void write_vtp(const std::string& path, std::size_t points, std::size_t v
 /// stride, 2 stride, ... : the end of each cell's list of points. Extends or shortens `ends`,
 /// keeping the valid part.
 inline void set_vtk_cell_ends(const std::string& path, std::size_t cells, std::int32_t stride,
-                              std::vector<std::int32_t>& ends) {
+                              DynArray<std::int32_t>& ends) {
   constexpr auto most = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
   require(cells <= most / static_cast<std::size_t>(stride), "VTK file '", path, "': ", cells,
           " cells are too many for its 32-bit numbers; write them as several files");
@@ -149,16 +149,16 @@ inline void set_vtk_cell_ends(const std::string& path, std::size_t cells, std::i
   ends.resize(cells);
   for (; k < cells; ++k) ends[k] = static_cast<std::int32_t>(k + 1) * stride;
 }
-inline std::vector<std::int32_t> vtk_cell_ends(const std::string& path, std::size_t cells,
-                                               std::int32_t stride) {
-  std::vector<std::int32_t> ends;
+inline DynArray<std::int32_t> vtk_cell_ends(const std::string& path, std::size_t cells,
+                                            std::int32_t stride) {
+  DynArray<std::int32_t> ends;
   set_vtk_cell_ends(path, cells, stride, ends);
   return ends;
 }
 
 /// Lines with two points each; kept from file to file.
 struct VtkLines {
-  std::vector<std::int32_t> points, ends;
+  DynArray<std::int32_t> points, ends;
   void set(const std::string& path, std::size_t lines) {
     set_vtk_cell_ends(path, lines, 2, ends);
     std::size_t k = std::min(2 * lines, points.size());
@@ -198,7 +198,7 @@ class VtkFields {
   }
 
  private:
-  std::vector<detail::VtkArray> arrays_;
+  DynArray<detail::VtkArray> arrays_;
 };
 
 /// Writes `positions` [m] as points with a vertex each, for ParaView: `path` should end in .vtp.
@@ -208,7 +208,7 @@ inline void write_vtp_points(const std::string& path, std::span<const Vec3d> pos
   const std::size_t n = positions.size();
   const auto point_fields = fields.arrays_for(path, n);
   const auto ends = detail::vtk_cell_ends(path, n, 1);
-  std::vector<std::int32_t> own_point(n);
+  DynArray<std::int32_t> own_point(n);
   for (std::size_t i = 0; i < n; ++i) own_point[i] = ends[i] - 1;
   const std::array points{detail::vtk_array("Points", positions)};
   const std::array verts{
@@ -422,7 +422,7 @@ class VtkSeries {
   }
 
   std::string path_;
-  std::vector<Frame> frames_;
+  DynArray<Frame> frames_;
   std::string list_;  // their lines
 };
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/names.hpp>
 #include <silt/fill/particles.hpp>
 #include <silt/shape/concept.hpp>
@@ -26,7 +26,7 @@ template <class S>
 struct SolidsOfForm {};
 template <SolidShape S>
 struct SolidsOfForm<S> {
-  std::vector<SolidPart<typename S::Kinds>> solids;
+  DynArray<SolidPart<typename S::Kinds>> solids;
 };
 /// Counts the forms created by a program.
 inline std::uint64_t next_form() {
@@ -40,8 +40,8 @@ template <class S>
 struct BodyForm : detail::SolidsOfForm<S> {
   S shape;  // as given by the user
   MassProperties mass;
-  std::vector<Ball> parts;  // its spheres, or bounding spheres of its parts
-  double radius;            // [m] bounding sphere about the centroid
+  DynArray<Ball> parts;  // its spheres, or bounding spheres of its parts
+  double radius;         // [m] bounding sphere about the centroid
   /// [m] largest |r x n| along each principal axis, over the surface points r from the centroid and
   /// their normals n: with an angular velocity w no point moves faster along its normal than the
   /// sum of |w_i| lever_i. For solids from 1000 normals: up to 10 % too small.
@@ -51,7 +51,7 @@ struct BodyForm : detail::SolidsOfForm<S> {
   struct Spot {
     double radius, lightness;
   };
-  std::vector<Spot> spots;
+  DynArray<Spot> spots;
   std::string name;  // empty: none
 
   explicit BodyForm(S given) : shape(std::move(given)) {
@@ -234,7 +234,7 @@ class Particles<S> {
     require(fill.form < forms_.size(), "Fill.form = ", fill.form, " must be less than ",
             forms_.size(), ", the number of forms; call add_form first");
     const BodyForm<S>& form = forms_[fill.form];
-    std::vector<PlacedSphere> already;
+    DynArray<PlacedSphere> already;
     for (const auto& p : all_) already.push_back({p.position, p.radius});
     FillRequest request = fill.request();
     if (!fill.radius.is_given()) request.radius = detail::size_as_made("Fill", form);
@@ -255,9 +255,9 @@ class Particles<S> {
   }
   Particles& fill(const Box& region, const Fill& f) { return fill<Box>(region, f); }
 
-  const std::vector<BodyForm<S>>& forms() const { return forms_; }
+  const DynArray<BodyForm<S>>& forms() const { return forms_; }
   std::size_t size() const { return all_.size(); }
-  const std::vector<Particle>& all() const { return all_; }
+  const DynArray<Particle>& all() const { return all_; }
   const Particle& operator[](std::size_t k) const { return all_[k]; }
   Particle& operator[](std::size_t k) { return all_[k]; }
   auto begin() const { return all_.begin(); }
@@ -266,8 +266,8 @@ class Particles<S> {
  private:
   auto names() const { return detail::names_in("form", forms_, "add_form(shape, name)"); }
 
-  std::vector<BodyForm<S>> forms_;
-  std::vector<Particle> all_;
+  DynArray<BodyForm<S>> forms_;
+  DynArray<Particle> all_;
 };
 
 }  // namespace silt

@@ -9,8 +9,8 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/files/text_lines.hpp>
 #include <silt/fill/particle_file.hpp>
 
@@ -114,7 +114,7 @@ class LammpsDump {
   ParticleTable table_of(const Frame& frame) {
     lines_ = frame.at;
     lines_.word(), lines_.word();  // ITEM: ATOMS
-    std::vector<std::string_view> names;
+    DynArray<std::string_view> names;
     while (!lines_.words().empty()) names.push_back(lines_.word());
     const auto place = [&](std::string_view name) {
       return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
@@ -153,11 +153,11 @@ class LammpsDump {
       lines_.fail("positions are scaled by the box, but 'ITEM: BOX BOUNDS' is missing");
 
     ParticleTable table;
-    std::vector<Column> kept(none, columns);
+    DynArray<Column> kept(none, columns);
     for (int c = 0; c < columns; ++c)
       if (const auto at = where[static_cast<std::size_t>(c)]; at < none)
         kept[at] = static_cast<Column>(c);
-    std::vector<std::string> labels;
+    DynArray<std::string> labels;
     for (const auto name : names) labels.push_back(text("column ", in_quotes(name)));
     std::array<double, columns> row{};
     for (std::uint64_t k = 0; k < frame.atoms; ++k) {

@@ -10,8 +10,8 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/random.hpp>
 #include <silt/fill/region.hpp>
@@ -56,9 +56,9 @@ class SphereGrid {
   struct Level {
     double cell = 0;     // [m]
     double largest = 0;  // radius [m]
-    std::vector<PlacedSphere> spheres;
-    std::vector<std::uint32_t> next;   // for each sphere: the next one with the same hash, or none
-    std::vector<std::uint32_t> heads;  // for each hash: a sphere, or none
+    DynArray<PlacedSphere> spheres;
+    DynArray<std::uint32_t> next;   // for each sphere: the next one with the same hash, or none
+    DynArray<std::uint32_t> heads;  // for each hash: a sphere, or none
 
     Cell cell_of(const Vec3d& p) const {
       // The bound keeps the cast defined; it merges far cells, which only costs time.
@@ -113,7 +113,7 @@ class SphereGrid {
     return levels_.back();
   }
 
-  std::vector<Level> levels_;
+  DynArray<Level> levels_;
 };
 
 /// One sphere to be placed.
@@ -203,7 +203,7 @@ struct FillRequest {
 
 /// Result of pack().
 struct FillResult {
-  std::vector<PlacedSphere> spheres;
+  DynArray<PlacedSphere> spheres;
   std::size_t requested = 0;  // [-] requested spheres (drawn, for a given solid volume)
   std::string why_not_more;   // a sentence; empty if the request was met
 };
@@ -248,11 +248,11 @@ void check(const R& place, const FillRequest& request) {
 
 /// Radii to place, in random order; their volume does not exceed that of the region by much,
 /// whatever was requested.
-inline std::vector<double> draw_radii(const FillRequest& request, double region_volume,
-                                      Random& random) {
+inline DynArray<double> draw_radii(const FillRequest& request, double region_volume,
+                                   Random& random) {
   const bool by_volume = request.solid_volume > 0;
   const double wanted = by_volume ? std::min(request.solid_volume, region_volume) : region_volume;
-  std::vector<double> radii;
+  DynArray<double> radii;
   for (double sum = 0; sum < wanted && radii.size() < request.count;) {
     const double radius = request.radius.sample(random), volume = sphere_volume(radius);
     // Stops on the side of the requested volume that is nearer.
@@ -338,12 +338,12 @@ inline Vec3d point_in_ball(double radius, Random& random) {
 }
 
 template <class R>
-std::vector<PlacedSphere> pack_lattice(const R& place, const FillRequest& request,
-                                       std::span<const double> radii, double spacing,
-                                       const SphereGrid& occupied, Random& random) {
+DynArray<PlacedSphere> pack_lattice(const R& place, const FillRequest& request,
+                                    std::span<const double> radii, double spacing,
+                                    const SphereGrid& occupied, Random& random) {
   const double largest = *std::max_element(radii.begin(), radii.end());
   const HexagonalLattice lattice(room_for_centres(place.bounds(), largest), spacing);
-  std::vector<PlacedSphere> placed;
+  DynArray<PlacedSphere> placed;
   lattice.for_each([&](const Vec3d& site) {
     const double radius = radii[placed.size()];
     // Two neighbours that approach by this each still keep the gap (0.999: rounding).
@@ -360,10 +360,10 @@ std::vector<PlacedSphere> pack_lattice(const R& place, const FillRequest& reques
 }
 
 template <class R>
-std::vector<PlacedSphere> pack_random(const R& place, const FillRequest& request,
-                                      std::span<const double> radii, SphereGrid& occupied,
-                                      Random& random) {
-  std::vector<PlacedSphere> placed;
+DynArray<PlacedSphere> pack_random(const R& place, const FillRequest& request,
+                                   std::span<const double> radii, SphereGrid& occupied,
+                                   Random& random) {
+  DynArray<PlacedSphere> placed;
   for (const double radius : radii) {
     const auto centre = try_place(
         place, occupied, {.radius = radius, .gap = request.gap, .trials = request.trials}, random);

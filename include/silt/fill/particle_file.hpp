@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/vec3.hpp>
 #include <silt/files/atomic_file.hpp>
@@ -19,12 +19,12 @@ namespace silt::inline SILT_TARGET {
 /// Particles read from or written to a text table. Position and radius have one entry per particle;
 /// other columns too, or none if the file has no such column.
 struct ParticleTable {
-  std::vector<Vec3d> position;          // [m]
-  std::vector<double> radius;           // [m]
-  std::vector<double> density;          // [kg/m3]
-  std::vector<Vec3d> velocity;          // [m/s]
-  std::vector<Vec3d> angular_velocity;  // [rad/s]
-  std::vector<std::uint32_t> material;  // [-] number of the material, from 0
+  DynArray<Vec3d> position;          // [m]
+  DynArray<double> radius;           // [m]
+  DynArray<double> density;          // [kg/m3]
+  DynArray<Vec3d> velocity;          // [m/s]
+  DynArray<Vec3d> angular_velocity;  // [rad/s]
+  DynArray<std::uint32_t> material;  // [-] number of the material, from 0
   std::size_t size() const { return position.size(); }
 };
 
@@ -191,14 +191,14 @@ class ParticleReader {
   const std::string& path_;
   std::string_view rest_;
   std::size_t line_number_ = 0;
-  char separator_ = 0;           // 0: white space
-  std::vector<Column> columns_;  // in the order of the file
+  char separator_ = 0;        // 0: white space
+  DynArray<Column> columns_;  // in the order of the file
   std::array<bool, column_count> has_{};
 };
 
 /// InputError unless `column` has one valid value per particle, or none if it is optional.
 template <class Value, class Good>
-void require_column(std::string_view name, const std::vector<Value>& column, std::size_t particles,
+void require_column(std::string_view name, const DynArray<Value>& column, std::size_t particles,
                     bool may_be_empty, Good good, std::string_view what_is_good) {
   if (may_be_empty && column.empty()) return;
   require(column.size() == particles, "ParticleTable.", name, " has ", column.size(),

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/quaternion.hpp>
 #include <silt/fill/packing.hpp>
@@ -101,7 +101,7 @@ class Particles {
     require(fill.form == 0 && !fill.orientation,
             "Fill: spheres have neither form nor orientation; leave both out");
     require(is_finite(fill.velocity), "Fill.velocity = ", fill.velocity, " [m/s] must be finite");
-    std::vector<PlacedSphere> already;
+    DynArray<PlacedSphere> already;
     for (const auto& p : all_) already.push_back({p.position, p.radius});
     const auto result = pack(region, fill.request(), already);
     require(result.why_not_more.empty(), result.why_not_more);
@@ -138,14 +138,14 @@ class Particles {
   }
 
   std::size_t size() const { return all_.size(); }
-  const std::vector<Particle>& all() const { return all_; }
+  const DynArray<Particle>& all() const { return all_; }
   const Particle& operator[](std::size_t k) const { return all_[k]; }
   Particle& operator[](std::size_t k) { return all_[k]; }
   auto begin() const { return all_.begin(); }
   auto end() const { return all_.end(); }
 
  private:
-  std::vector<Particle> all_;
+  DynArray<Particle> all_;
 };
 
 }  // namespace silt

@@ -8,9 +8,9 @@
 #include <limits>
 #include <numbers>
 #include <string>
-#include <vector>
 
 #include <silt/core/box.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -122,8 +122,8 @@ class MeshRegion {
   const Mesh* mesh_;
   Box bounds_;
   double volume_;  // [m3]
-  mutable std::vector<std::uint32_t> touched_;
-  mutable std::vector<Ball> known_;
+  mutable DynArray<std::uint32_t> touched_;
+  mutable DynArray<Ball> known_;
   mutable std::size_t oldest_ = 0;
 };
 

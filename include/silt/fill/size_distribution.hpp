@@ -8,8 +8,8 @@
 #include <string_view>
 #include <utility>
 #include <variant>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/random.hpp>
 
@@ -63,8 +63,8 @@ struct LogNormalSizes {
 };
 
 struct SizeClasses {
-  std::vector<double> radius;  // [m]
-  std::vector<double> up_to;   // cumulative fraction by number up to this class
+  DynArray<double> radius;  // [m]
+  DynArray<double> up_to;   // cumulative fraction by number up to this class
   double sample(Random& random) const {
     const auto at = std::upper_bound(up_to.begin(), up_to.end(), random.uniform());
     return radius[std::min<std::size_t>(at - up_to.begin(), radius.size() - 1)];
@@ -184,7 +184,7 @@ struct SizeClass {
 
 /// Discrete sizes with their fractions, which must sum to 1 within 1e-6 (and are then normalised):
 /// `table({{1e-3, 0.7}, {2e-3, 0.3}}, By::Mass)`. A class of fraction 0 is left out.
-inline SizeDistribution table(const std::vector<SizeClass>& classes, By by) {
+inline SizeDistribution table(const DynArray<SizeClass>& classes, By by) {
   double sum = 0, number = 0;
   for (std::size_t k = 0; k < classes.size(); ++k) {
     const auto& [radius, fraction] = classes[k];

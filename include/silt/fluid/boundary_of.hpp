@@ -9,9 +9,9 @@
 #include <memory>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include <silt/boundary/wall.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/fluid/flow_solids.hpp>
 
@@ -103,8 +103,8 @@ class MeshDistance {
 
   std::shared_ptr<const TriangleMesh> mesh_;
   double sign_;
-  std::vector<Vec3d> normals_;            // of faces, edges, vertices
-  std::vector<std::vector<Vec3d>> rims_;  // of the same: directions away from the surface
+  DynArray<Vec3d> normals_;         // of faces, edges, vertices
+  DynArray<DynArray<Vec3d>> rims_;  // of the same: directions away from the surface
 };
 
 /// One surface of a wall, at one time.
@@ -129,8 +129,8 @@ struct FlowSurface {
 /// Errors: InputError for no walls and invalid surfaces; for an open mesh with inconsistently
 ///         oriented triangles, or with its rim in the flow (when the distance is evaluated).
 /// Tests:  tests/fluid/boundary_of.cpp
-inline FlowBoundary boundary_of(const std::vector<FlowWall>& walls, double time = 0) {
-  auto all = std::make_shared<std::vector<detail::FlowSurface>>();
+inline FlowBoundary boundary_of(const DynArray<FlowWall>& walls, double time = 0) {
+  auto all = std::make_shared<DynArray<detail::FlowSurface>>();
   bool moves = false;
   for (const FlowWall& wall : walls)
     for (const Surface& part : wall.surfaces.parts) {
@@ -177,7 +177,7 @@ inline FlowBoundary boundary_of(const std::vector<FlowWall>& walls, double time 
 }
 inline FlowBoundary boundary_of(const Surfaces& surfaces, const Motion& motion = {},
                                 double time = 0) {
-  return boundary_of(std::vector<FlowWall>{{surfaces, motion}}, time);
+  return boundary_of(DynArray<FlowWall>{{surfaces, motion}}, time);
 }
 
 namespace detail {
@@ -204,7 +204,7 @@ inline Motion motion_seen(const Wall& wall, double now) {
 /// All walls of a Simulation in their present poses; `fluid`: for its meshes, see FlowWall.
 template <class Sim>
 FlowBoundary boundary_of_walls(const Sim& sim, Side fluid = Side::Inside) {
-  std::vector<FlowWall> walls;
+  DynArray<FlowWall> walls;
   for (std::size_t k = 0; k < sim.walls(); ++k)
     walls.push_back(
         {Surfaces(sim.wall(k).surfaces), detail::motion_seen(sim.wall(k), sim.time()), fluid});

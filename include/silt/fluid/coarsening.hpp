@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/target.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/fluid/level.hpp>
@@ -52,7 +52,7 @@ inline void coarsen_coefficients(const Team& team, const Level& fine, Level& coa
            m < std::min(fine.width[c].size(), static_cast<std::size_t>(by[c]) * (i + 1)); ++m)
         coarse.width[c][i] += fine.width[c][m];
     }
-  std::vector<float> ratio_x(static_cast<std::size_t>(coarse.n[0]));
+  DynArray<float> ratio_x(static_cast<std::size_t>(coarse.n[0]));
   for (int i = 0; i < coarse.n[0]; ++i)
     ratio_x[static_cast<std::size_t>(i)] = fine.distance(0, by[0] * i) / coarse.distance(0, i);
   team.for_parts(static_cast<std::size_t>(coarse.n[2]), [&](std::size_t plane) {
@@ -60,7 +60,7 @@ inline void coarsen_coefficients(const Team& team, const Level& fine, Level& coa
     const float ratio_z = fine.distance(2, by[2] * k) / coarse.distance(2, k);
     std::array<double, 3> sums{};
     const int n = coarse.n[0];
-    std::vector<float> rows(4 * static_cast<std::size_t>(n));  // in the order of i
+    DynArray<float> rows(4 * static_cast<std::size_t>(n));  // in the order of i
     float *ax = rows.data(), *ay = ax + n, *az = ay + n, *d = az + n;
     for (int j = 0; j < coarse.n[1]; ++j) {
       const float ratio_y = fine.distance(1, by[1] * j) / coarse.distance(1, j);

@@ -4,15 +4,15 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/target.hpp>
 
 namespace silt::inline SILT_TARGET::fluid_detail {
 
 /// Open faces of a cell: one bit for each lower face (1, 2, 4 for x, y, z), and 8 if d > 0. Lower
 /// faces of index 0 lead to the last cell.
-using Openings = std::vector<std::uint8_t>;
+using Openings = DynArray<std::uint8_t>;
 
 /// Sets of cells connected by open faces, and those of them without a Dirichlet value (d > 0).
 struct Components {
@@ -20,8 +20,8 @@ struct Components {
 
   /// For every cell, i fastest: the number of its floating set, `held` if its set has a cell with d
   /// > 0, `blocked` if all faces are closed and d = 0.
-  std::vector<std::int32_t> of_cell;
-  std::vector<std::size_t> sizes;  // cells of each floating set [-]
+  DynArray<std::int32_t> of_cell;
+  DynArray<std::size_t> sizes;  // cells of each floating set [-]
   bool any_blocked = false;
 
   void find(const Openings& open, const std::array<int, 3>& n) {
@@ -33,7 +33,7 @@ struct Components {
     const std::array<std::size_t, 3> step{
         1, static_cast<std::size_t>(n[0]),
         static_cast<std::size_t>(n[0]) * static_cast<std::size_t>(n[1])};
-    std::vector<std::size_t> members;
+    DynArray<std::size_t> members;
     for (std::size_t seed = 0; seed < cells; ++seed) {
       if (of_cell[seed] != unseen) continue;
       const auto number = static_cast<std::int32_t>(sizes.size());

@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/fluid/flow_k_epsilon.hpp>
 #include <silt/fluid/flow_state.hpp>
 
@@ -236,7 +236,7 @@ class HeatStep {
 
   /// Conduction, then walls and particles.
   void conduct() {
-    std::vector<std::array<double, 3>> books(FlowState::at(s_.grid.nz()), {0, 0, 0});
+    DynArray<std::array<double, 3>> books(FlowState::at(s_.grid.nz()), {0, 0, 0});
     s_.for_cells(team_, [&](int j, int k) {
       const auto row = [&](const CellField& f) { return f.row(j, k); };
       const Faces faces(s_, j, k);

@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/files/csv_table.hpp>
 #include <silt/fluid/flow_at.hpp>
@@ -86,7 +86,7 @@ class FlowMean {
   void write(const std::string& path, const std::optional<FluidWeight>& weight = {}) const {
     using Vector = std::array<double, 3>;
     const auto collect = [&](auto value) {
-      std::vector<decltype(value(0, 0, 0))> all;
+      DynArray<decltype(value(0, 0, 0))> all;
       for_cells([&](int i, int j, int k) { all.push_back(value(i, j, k)); });
       return all;
     };
@@ -99,21 +99,21 @@ class FlowMean {
     const auto eps = collect([&](int i, int j, int k) { return voidage(i, j, k); });
     const auto open =
         collect([&](int i, int j, int k) { return static_cast<std::int32_t>(at(i, j, k).open); });
-    std::vector<detail::VtkArray> arrays{detail::vtk_view("mean_velocity", u),
-                                         detail::vtk_view("rms_velocity", rms),
-                                         detail::vtk_view("mean_superficial_velocity", flux),
-                                         detail::vtk_view("mean_pressure", p),
-                                         detail::vtk_view("rms_pressure", p_rms),
-                                         detail::vtk_view("mean_voidage", eps),
-                                         detail::vtk_view("open", open)};
-    std::vector<double> whole;
+    DynArray<detail::VtkArray> arrays{detail::vtk_view("mean_velocity", u),
+                                      detail::vtk_view("rms_velocity", rms),
+                                      detail::vtk_view("mean_superficial_velocity", flux),
+                                      detail::vtk_view("mean_pressure", p),
+                                      detail::vtk_view("rms_pressure", p_rms),
+                                      detail::vtk_view("mean_voidage", eps),
+                                      detail::vtk_view("open", open)};
+    DynArray<double> whole;
     if (weight) {
       whole = collect([&](int i, int j, int k) {
         return pressure(i, j, k) + weight->pressure(density_, grid().centre(i, j, k));
       });
       arrays.push_back(detail::vtk_view("mean_pressure_with_weight", whole));
     }
-    std::vector<double> T, T_rms;
+    DynArray<double> T, T_rms;
     if (hot_) {
       T = collect([&](int i, int j, int k) { return temperature(i, j, k); });
       T_rms = collect([&](int i, int j, int k) { return temperature_rms(i, j, k); });
@@ -138,7 +138,7 @@ class FlowMean {
     const int n = grid().cells()[static_cast<std::size_t>(d)];
     const int plane = static_cast<int>(std::clamp(std::floor((where - from) / size), 0.0, n - 1.0));
     const char *const across = d == 0 ? "y [m]" : "x [m]", *const up = d == 2 ? "y [m]" : "z [m]";
-    std::vector<std::vector<double>> rows;
+    DynArray<DynArray<double>> rows;
     for_cells([&](int i, int j, int k) {
       if ((d == 0 ? i : d == 1 ? j : k) != plane) return;
       const Vec3d x = grid().centre(i, j, k), u = velocity(i, j, k);
@@ -146,14 +146,14 @@ class FlowMean {
                       pressure(i, j, k), voidage(i, j, k)});
       if (hot_) rows.back().push_back(temperature(i, j, k));
     });
-    std::vector<std::string> columns{across,
-                                     up,
-                                     "mean velocity x [m/s]",
-                                     "mean velocity y [m/s]",
-                                     "mean velocity z [m/s]",
-                                     "mean speed [m/s]",
-                                     "mean pressure without weight [Pa]",
-                                     "mean voidage [-]"};
+    DynArray<std::string> columns{across,
+                                  up,
+                                  "mean velocity x [m/s]",
+                                  "mean velocity y [m/s]",
+                                  "mean velocity z [m/s]",
+                                  "mean speed [m/s]",
+                                  "mean pressure without weight [Pa]",
+                                  "mean voidage [-]"};
     if (hot_) columns.push_back("mean temperature [K]");
     detail::write_csv(path, columns, rows);
   }
@@ -192,7 +192,7 @@ class FlowMean {
   }
 
   std::optional<Grid> grid_;
-  std::vector<Cell> cells_;
+  DynArray<Cell> cells_;
   double time_ = 0, density_ = 0;  // [s], [kg/m3]
   bool hot_ = false;               // flows with heat were added
 };

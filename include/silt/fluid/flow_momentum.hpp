@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/fluid/flow_state.hpp>
 
 /// Parts of a step before the pressure: see FlowSolver.
@@ -105,7 +105,7 @@ inline void find_spread(FlowState& state, const Team& team) {
 inline void lead_slivers(FlowState& state, const Three& q, int d, const Team& team) {
   const std::size_t c = FlowState::at(d);
   FlowSolids& solids = *state.solids;
-  const std::vector<Sliver>& slivers = solids.slivers[c];
+  const DynArray<Sliver>& slivers = solids.slivers[c];
   const double mu = state.fluid.viscosity;
   constexpr std::size_t part = 64;
   team.for_parts((slivers.size() + part - 1) / part, [&](std::size_t n) {

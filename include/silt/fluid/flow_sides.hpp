@@ -9,8 +9,8 @@
 #include <optional>
 #include <utility>
 #include <variant>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/fluid/flow_boundary.hpp>
 #include <silt/fluid/side_area.hpp>
@@ -55,7 +55,7 @@ class FlowSides {
               " Pa at a side in ", name, " is not finite");
     }
     for (int c = 0; c < 3; ++c) {
-      std::vector<double> given = values(made.kind, direction, end, c);
+      DynArray<double> given = values(made.kind, direction, end, c);
       if (c == direction && std::holds_alternative<NoSlip>(side))
         for (const double normal : given)
           require(normal == 0, "FlowSolver: a wall at a side in ", name,
@@ -227,7 +227,7 @@ class FlowSides {
   }
   bool renew(int e, int end, const Inflow& in, double dt) {
     Side& side = sides_[static_cast<std::size_t>(e)][static_cast<std::size_t>(end)];
-    const std::vector<double> before = side.given[static_cast<std::size_t>(e)];
+    const DynArray<double> before = side.given[static_cast<std::size_t>(e)];
     const double rate = in.rate_in_time ? in.rate_in_time(time_) : 0;
     require(std::isfinite(rate), "FlowSolver: Inflow.rate_in_time is ", rate,
             " m3/s at t = ", time_, " s; it must be finite");
@@ -308,9 +308,8 @@ class FlowSides {
     x[line.e] = ends[end][line.e];
     return {x[0], x[1], x[2]};
   }
-  std::vector<char> beyond(const std::function<double(const Vec3d&)>& outline, int e,
-                           int end) const {
-    std::vector<char> out;
+  DynArray<char> beyond(const std::function<double(const Vec3d&)>& outline, int e, int end) const {
+    DynArray<char> out;
     for_line(e, end, [&](const Line& line, std::size_t) {
       const Vec3d x = place(line, end, 3);
       const double away = outline(x);
@@ -320,10 +319,10 @@ class FlowSides {
     return out;
   }
   /// Velocities of component c at a side, for all values of for_line().
-  std::vector<double> values(const FlowSide& side, int e, int end, int c) const {
+  DynArray<double> values(const FlowSide& side, int e, int end, int c) const {
     const auto* const wall = std::get_if<NoSlip>(&side);
     const auto* const in = std::get_if<Inflow>(&side);
-    std::vector<double> out;
+    DynArray<double> out;
     for_line(e, end, [&](const Line& line, std::size_t) {
       Vec3d v{0, 0, 0};
       if (wall != nullptr) v = wall->velocity;

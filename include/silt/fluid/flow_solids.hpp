@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/fluid/joined_cells.hpp>
 #include <silt/fluid/side_area.hpp>
@@ -125,7 +125,7 @@ struct FlowSolids {
   Three velocity;   // [m/s] of the solid, on faces with their centres in it
   CellField cells;  // [-] open share of cells with a face whose centre is in the fluid; else 0
   CellField share;  // [-] V of cells
-  std::array<std::vector<Sliver>, 3> slivers;
+  std::array<DynArray<Sliver>, 3> slivers;
   JoinedCells joined;
 
   /// Copies the action of particles from the neighbour into cells with slivers only, where
@@ -208,8 +208,8 @@ struct FlowSolids {
           if (passed && widest >= 0) corners_.push_back({std::array<int, 3>{i, j, k}, from});
         }
   }
-  std::vector<std::array<std::array<int, 3>, 2>> corners_;
-  std::array<std::vector<Span>, 3> spans_;
+  DynArray<std::array<std::array<int, 3>, 2>> corners_;
+  std::array<DynArray<Span>, 3> spans_;
   std::size_t rows_ = 0;
 
   static double along(const Vec3d& v, int d) { return d == 0 ? v.x : d == 1 ? v.y : v.z; }

@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <limits>
 #include <optional>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/fluid/flow_rows.hpp>
@@ -216,7 +216,7 @@ struct FlowState {
   /// Sum of of_plane(k) over planes, or with std::max for `join` the largest.
   template <class OfPlane, class Join>
   double over_planes(const Team& team, const OfPlane& of_plane, const Join& join) const {
-    std::vector<double> of(at(grid.nz()), 0.0);
+    DynArray<double> of(at(grid.nz()), 0.0);
     team.for_parts(of.size(), [&](std::size_t k) { of[k] = of_plane(static_cast<int>(k)); });
     double all = 0;
     for (const double one : of) all = join(all, one);
@@ -261,7 +261,7 @@ struct FlowState {
   Three flow = three(), old_flow = three(), carried = three();  // [m/s] eps u; F
   Three tendency = three();                                     // [N/m3] of the first stage
   Three weight = three();                                       // [m3 s/kg] e/D
-  std::vector<CellField> stress;                                // [N/m3] div tau, if stored
+  DynArray<CellField> stress;                                   // [N/m3] div tau, if stored
   std::optional<ParticleResponse> response;                     // if particles have one
   CellField pressure{grid};                                     // [Pa]
   CellField voidage{grid, 1}, eps{grid, 1}, old_eps{grid, 1}, older_eps{grid, 1};

@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <limits>
 #include <optional>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/fluid/flow_sides.hpp>
 #include <silt/fluid/flow_solids.hpp>
@@ -95,7 +95,7 @@ struct FlowTurbulence {
             double viscosity, const Team& team) {
     const double over[3] = {1 / grid.h().x, 1 / grid.h().y, 1 / grid.h().z};
     const double nu = viscosity / density;
-    std::vector<double> most(static_cast<std::size_t>(grid.nz()), 0.0);
+    DynArray<double> most(static_cast<std::size_t>(grid.nz()), 0.0);
     team.for_parts(most.size(), [&](std::size_t plane) {
       const int k = static_cast<int>(plane);
       for (int j = 0; j < grid.ny(); ++j)
@@ -371,8 +371,8 @@ struct FlowTurbulence {
     return false;
   }
 
-  std::array<std::vector<WallFace>, 3> faces_;
-  std::vector<WallCell> cells_;
+  std::array<DynArray<WallFace>, 3> faces_;
+  DynArray<WallCell> cells_;
 };
 
 }  // namespace fluid_detail

@@ -6,8 +6,8 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/files/vtk.hpp>
 #include <silt/fluid/flow_at.hpp>
 #include <silt/fluid/flow_solver.hpp>
@@ -17,7 +17,7 @@ namespace silt::inline SILT_TARGET {
 namespace detail {
 
 template <class Value>
-VtkArray vtk_view(const char* name, const std::vector<Value>& values) {
+VtkArray vtk_view(const char* name, const DynArray<Value>& values) {
   return vtk_array(name, std::span<const Value>(values));
 }
 /// Values of all cells of a grid, i fastest, as a VTK image.
@@ -43,9 +43,9 @@ void write_flow(const std::string& path, const Flow& flow,
                 const std::optional<FluidWeight>& weight = {}) {
   const Grid& g = flow.grid();
   const std::size_t n = g.size();
-  std::vector<Vec3d> velocity;
-  std::vector<double> pressure, voidage, whole, temperature;
-  std::vector<std::int32_t> open;
+  DynArray<Vec3d> velocity;
+  DynArray<double> pressure, voidage, whole, temperature;
+  DynArray<std::int32_t> open;
   velocity.reserve(n), pressure.reserve(n), voidage.reserve(n), open.reserve(n);
   for (int k = 0; k < g.nz(); ++k)
     for (int j = 0; j < g.ny(); ++j)
@@ -63,7 +63,7 @@ void write_flow(const std::string& path, const Flow& flow,
           whole.push_back(pressure.back() +
                           weight->pressure(flow.fluid().density, g.centre(i, j, k)));
       }
-  std::vector<detail::VtkArray> arrays{
+  DynArray<detail::VtkArray> arrays{
       detail::vtk_view("velocity", velocity), detail::vtk_view("pressure", pressure),
       detail::vtk_view("voidage", voidage), detail::vtk_view("open", open)};
   if (weight) arrays.push_back(detail::vtk_view("pressure_with_weight", whole));

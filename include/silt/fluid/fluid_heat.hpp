@@ -7,8 +7,8 @@
 #include <functional>
 #include <limits>
 #include <optional>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/vec3.hpp>
 #include <silt/fluid/grid.hpp>
@@ -114,12 +114,12 @@ struct FlowHeat {
   }
 
   FluidHeat of;
-  CellField temperature;        // [K]
-  CellField source;             // [W/m3] s
-  CellField exchange, given;    // [W/(m3 K)], [W/m3] sums of b, b T_p
-  CellField link, pull;         // the same for walls at sides
-  CellField seen;               // [K] seen by particles in the last step
-  std::vector<CellField> push;  // [N/m3] force() with buoyancy; empty without
+  CellField temperature;      // [K]
+  CellField source;           // [W/m3] s
+  CellField exchange, given;  // [W/(m3 K)], [W/m3] sums of b, b T_p
+  CellField link, pull;       // the same for walls at sides
+  CellField seen;             // [K] seen by particles in the last step
+  DynArray<CellField> push;   // [N/m3] force() with buoyancy; empty without
   std::array<std::array<SideHeat, 2>, 3> sides;
   FluidHeatBook book;  // stored: at the end of the last step; -1: none
   double gained = 0;   // [J] from particles, in the last step

@@ -4,8 +4,8 @@
 #include <array>
 #include <cstddef>
 #include <map>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/fluid/flow_boundary.hpp>
 
 namespace silt::inline SILT_TARGET::fluid_detail {
@@ -19,7 +19,7 @@ class JoinedCells {
   /// that has the widest opening to it. `area` of faces, `share` of cells: [-] open shares.
   void find(const Grid& grid, const FlowBoundary& boundary, const Three& area,
             const CellField& share) {
-    std::map<std::array<int, 3>, std::vector<Cell>> groups;  // by the cell with its centre in fluid
+    std::map<std::array<int, 3>, DynArray<Cell>> groups;  // by the cell with its centre in fluid
     const auto& n = grid.cells();
     const auto of = [&](const std::array<int, 3>& c) { return share(c[0], c[1], c[2]); };
     const auto centred = [&](const std::array<int, 3>& c) {
@@ -71,7 +71,7 @@ class JoinedCells {
     std::array<int, 3> at;
     double share;
   };
-  std::vector<std::vector<Cell>> groups_;
+  DynArray<DynArray<Cell>> groups_;
 };
 
 }  // namespace silt::inline SILT_TARGET::fluid_detail

@@ -5,8 +5,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/core/target.hpp>
 #include <silt/fluid/level_rows.hpp>
@@ -39,15 +39,15 @@ class LevelArray {
 ///
 /// Every direction wraps; where the grid does not, the faces of index 0 are closed (a = 0).
 struct Level {
-  std::array<int, 3> n{};                   // cells [-]
-  std::array<bool, 3> wraps{};              // the last cell is coupled with the first
-  std::array<bool, 3> halved{};             // directions in which the next level has half the cells
-  std::array<std::vector<float>, 3> width;  // of the cells, in units of the finest [-]
-  std::array<LevelArray<float>, 3> a;       // coefficients of the lower faces
-  LevelArray<float> d, inverse, x, r;       // diagonal, 1 / (sum a + d) or 0, unknown, right-hand
-                                            // side
-  std::vector<std::uint8_t> row_has_d;
-  std::vector<std::array<double, 3>> plane_sums;  // of a over each plane
+  std::array<int, 3> n{};                // cells [-]
+  std::array<bool, 3> wraps{};           // the last cell is coupled with the first
+  std::array<bool, 3> halved{};          // directions in which the next level has half the cells
+  std::array<DynArray<float>, 3> width;  // of the cells, in units of the finest [-]
+  std::array<LevelArray<float>, 3> a;    // coefficients of the lower faces
+  LevelArray<float> d, inverse, x, r;    // diagonal, 1 / (sum a + d) or 0, unknown, right-hand
+                                         // side
+  DynArray<std::uint8_t> row_has_d;
+  DynArray<std::array<double, 3>> plane_sums;  // of a over each plane
   std::ptrdiff_t half = 0;            // from the cells of even i of a row to those of odd i
   std::size_t stride = 0, plane = 0;  // from row to row, from plane to plane
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/target.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/fluid/coarsening.hpp>
@@ -218,8 +218,8 @@ class Multigrid {
     }
   }
 
-  std::vector<Level> levels_;
-  std::vector<double> plane_dots_;
+  DynArray<Level> levels_;
+  DynArray<double> plane_dots_;
   Team alone_{1};
 };
 

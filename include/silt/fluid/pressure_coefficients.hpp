@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/target.hpp>
 #include <silt/core/threads.hpp>
@@ -92,7 +92,7 @@ class PressureCoefficients {
     Plane& plane = planes_[static_cast<std::size_t>(k)];
     std::array<double, 4> sums{};
     const int n = grid().nx();
-    std::vector<float> rows(4 * static_cast<std::size_t>(n));  // ax, ay, az, d in the order of i
+    DynArray<float> rows(4 * static_cast<std::size_t>(n));  // ax, ay, az, d in the order of i
     for (int j = 0; j < grid().ny(); ++j) {
       const std::size_t at = level.begin(j, k);
       const bool closed[4] = {false, j == 0 && !level.wraps[1], k == 0 && !level.wraps[2], false};
@@ -127,7 +127,7 @@ class PressureCoefficients {
   }
 
   std::array<const CellField*, 4> fields_{};  // ax, ay, az, d
-  std::vector<Plane> planes_;
+  DynArray<Plane> planes_;
   Openings openings_;
   Components components_;
   double scale_ = 1;

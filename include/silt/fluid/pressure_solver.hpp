@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/core/target.hpp>
@@ -218,7 +218,7 @@ class PressureSolver {
     for_cells([&](std::size_t first, std::int32_t set, double& value) {
       if (set >= 0) set_sums_[first + static_cast<std::size_t>(set)] += value;
     });
-    std::vector<double> means(sets, 0.0);
+    DynArray<double> means(sets, 0.0);
     for (std::size_t k = 0; k < plane_sums_.size(); ++k)
       for (std::size_t s = 0; s < sets; ++s) means[s] += set_sums_[k * sets + s];
     for (std::size_t s = 0; s < sets; ++s) means[s] /= static_cast<double>(components_->sizes[s]);
@@ -393,7 +393,7 @@ class PressureSolver {
   CellField b_;
   fluid_detail::LevelArray<float> direction_, product_;  // of conjugate gradients
   fluid_detail::LevelArray<double> correction_;  // of p since the residual was computed in double
-  std::vector<double> plane_sums_, set_sums_;
+  DynArray<double> plane_sums_, set_sums_;
   double removed_ = 0;  // |.| of the removed part of the right-hand side
   bool is_set_ = false;
 };

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstddef>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/fluid/flow_boundary.hpp>
 
@@ -16,18 +16,18 @@ namespace silt::inline SILT_TARGET::fluid_detail {
 /// One side of a flow's box with its velocities. For FlowSides.
 struct SideValues {
   FlowSide kind = NoSlip{};
-  std::array<std::vector<double>, 3> given;  // velocities where each component crosses the side
-  std::vector<char> beyond;                  // 1 outside the outline; empty: no outline
+  std::array<DynArray<double>, 3> given;  // velocities where each component crosses the side
+  DynArray<char> beyond;                  // 1 outside the outline; empty: no outline
   // For time-dependent inflows:
-  std::array<std::vector<double>, 3> shape;  // what 1 m3/s gives
-  std::vector<double> slope;                 // [m/s2] normal to the side; empty: not known yet
-  double factor = 1;                         // [-] of velocities, for true areas
+  std::array<DynArray<double>, 3> shape;  // what 1 m3/s gives
+  DynArray<double> slope;                 // [m/s2] normal to the side; empty: not known yet
+  double factor = 1;                      // [-] of velocities, for true areas
 
   /// Whether the normal velocities have jumped from `before`: by more than a third of their new
   /// value, and at another rate than in the previous step. `dt` [s] between; 0: unknown.
-  bool jumped(int direction, const std::vector<double>& before, double dt) {
+  bool jumped(int direction, const DynArray<double>& before, double dt) {
     const auto& now = given[static_cast<std::size_t>(direction)];
-    std::vector<double> rate(dt > 0 ? now.size() : 0);
+    DynArray<double> rate(dt > 0 ? now.size() : 0);
     double size = 0, change = 0, old_change = 0, turn = 0;  // sums of squares
     for (std::size_t k = 0; k < rate.size(); ++k) {
       rate[k] = (now[k] - before[k]) / dt;

@@ -8,9 +8,9 @@
 #include <span>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include <silt/bond/concept.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/files/vtk.hpp>
 #include <silt/io/contact_series.hpp>
 #include <silt/io/observers.hpp>
@@ -36,7 +36,7 @@ class BondObserver {
   }
   template <class Sim>
   void operator()(const Sim&) const {}
-  void tell(const std::vector<BondBreak>& broken) const {
+  void tell(const DynArray<BondBreak>& broken) const {
     for (const BondBreak& one : broken) action_(one);
   }
 
@@ -97,10 +97,10 @@ detail::BondObserver<Action> on_bond_break(Action action) {
 template <class Sim>
 void write_bonds(const std::string& file, const Sim& sim) {
   using Point = std::array<float, 3>;
-  std::vector<Point> points;
-  std::array<std::vector<float>, 6> values;
-  std::vector<std::uint64_t> a, b, number;
-  std::vector<std::int32_t> wall;
+  DynArray<Point> points;
+  std::array<DynArray<float>, 6> values;
+  DynArray<std::uint64_t> a, b, number;
+  DynArray<std::int32_t> wall;
   const auto single = [](const Vec3d& v) {
     return Point{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
   };

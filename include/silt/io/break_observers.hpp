@@ -10,10 +10,10 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include <silt/breakage/breakage.hpp>
 #include <silt/breakage/size_table.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/names.hpp>
 #include <silt/files/csv_table.hpp>
 #include <silt/fill/size_distribution.hpp>
@@ -39,7 +39,7 @@ class BreakObserver {
   }
   template <class Sim>
   void operator()(const Sim&) const {}
-  void tell(const std::vector<BreakEvent>& broken) const {
+  void tell(const DynArray<BreakEvent>& broken) const {
     for (const BreakEvent& one : broken) action_(one);
   }
 
@@ -62,15 +62,15 @@ namespace detail {
 
 /// Columns of breakage_table().
 template <class Sim>
-std::vector<std::string> columns_of_breakage(const Sim& sim) {
-  std::vector<std::string> all{"time [s]",
-                               "particles [-]",
-                               "broken at walls [-]",
-                               "broken in pairs [-]",
-                               "broken as asked [-]",
-                               "present [kg]",
-                               "left [kg]",
-                               "dust [kg]"};
+DynArray<std::string> columns_of_breakage(const Sim& sim) {
+  DynArray<std::string> all{"time [s]",
+                            "particles [-]",
+                            "broken at walls [-]",
+                            "broken in pairs [-]",
+                            "broken as asked [-]",
+                            "present [kg]",
+                            "left [kg]",
+                            "dust [kg]"};
   if constexpr (Sim::ContactsType::several_materials)
     for (std::size_t k = 0; k < sim.contacts().materials(); ++k) {
       const std::string_view name = sim.contacts().given_name(k);
@@ -84,19 +84,19 @@ std::vector<std::string> columns_of_breakage(const Sim& sim) {
   return all;
 }
 template <class Sim>
-std::vector<double> row_of_breakage(const Sim& sim) {
+DynArray<double> row_of_breakage(const Sim& sim) {
   const auto number = [](auto count) { return static_cast<double>(count); };
   const MassBalance m = sim.mass_balance();
-  std::vector<double> row{sim.time(),
-                          number(sim.size()),
-                          number(sim.broken(BreakCause::Wall)),
-                          number(sim.broken(BreakCause::Pair)),
-                          number(sim.broken(BreakCause::Asked)),
-                          m.present,
-                          m.left,
-                          m.dust};
+  DynArray<double> row{sim.time(),
+                       number(sim.size()),
+                       number(sim.broken(BreakCause::Wall)),
+                       number(sim.broken(BreakCause::Pair)),
+                       number(sim.broken(BreakCause::Asked)),
+                       m.present,
+                       m.left,
+                       m.dust};
   if constexpr (Sim::ContactsType::several_materials) {
-    std::vector<CompensatedSum> present(sim.contacts().materials());
+    DynArray<CompensatedSum> present(sim.contacts().materials());
     for (std::size_t k = 0; k < sim.rows(); ++k)
       if (sim.is_present(k) && std::isfinite(sim.mass(k)))
         present[sim.material(k)].add(sim.mass(k));
@@ -117,7 +117,7 @@ std::vector<double> row_of_breakage(const Sim& sim) {
 inline auto breakage_table(const std::string& path, Schedule schedule) {
   return at<ActionKind::Reads>(
       schedule, [path, open = std::shared_ptr<CsvTable>()](const auto& sim) mutable {
-        const std::vector<double> row = detail::row_of_breakage(sim);
+        const DynArray<double> row = detail::row_of_breakage(sim);
         if (sim.rank() != 0) return;
         if (!open) open = detail::open_table(path, detail::columns_of_breakage(sim), sim, row[0]);
         open->add_row(std::span<const double>(row));

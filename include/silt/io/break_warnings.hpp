@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <string>
 #include <type_traits>
-#include <vector>
 
 #include <silt/breakage/breakage.hpp>
 #include <silt/breakage/concept.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/io/scene_warnings.hpp>
 
@@ -17,7 +17,7 @@ namespace silt::inline SILT_TARGET {
 /// Breakages on request do not count.
 class BrokenLoads {
  public:
-  void add(const std::vector<BreakEvent>& broken) {
+  void add(const DynArray<BreakEvent>& broken) {
     for (const BreakEvent& one : broken) {
       if (one.cause == BreakCause::Asked) continue;
       ++counted_;
@@ -59,9 +59,8 @@ inline const char* units_of_strengths(bool force) {
 /// Second: particles broke under loads far above their strengths, as collected by `broken`.
 /// Tests: tests/breakage/warnings.cpp.
 template <class Sim>
-[[gnu::cold]] std::vector<std::string> break_warnings(const Sim& sim,
-                                                      const BrokenLoads& broken = {}) {
-  std::vector<std::string> out;
+[[gnu::cold]] DynArray<std::string> break_warnings(const Sim& sim, const BrokenLoads& broken = {}) {
+  DynArray<std::string> out;
   if constexpr (Sim::has_breakage) {
     using Policy = std::remove_cvref_t<decltype(sim.breakage())>;
     const bool force = Policy::unit == LoadUnit::Force;

@@ -11,6 +11,7 @@
 #include <type_traits>
 #include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/files/atomic_file.hpp>
 #include <silt/files/checkpoint_file.hpp>
 #include <silt/io/checkpoint_bonds.hpp>
@@ -97,7 +98,7 @@ class Checkpoint {
     const Engine& e = sim.engine_;
     CheckpointWriter out(signature());
     detail::CheckpointSaver a(out);
-    std::vector<bool> removed;
+    DynArray<bool> removed;
     for (const auto& w : e.walls) removed.push_back(w.surfaces.empty());
     const auto coefficients = Engine::coefficients_of(sim.contacts_);
     auto scene = detail::describe_scene(sim, coefficients, sim.openings_, removed, removed.size());
@@ -135,14 +136,14 @@ class Checkpoint {
     auto contacts = e.lists.walls.state();
     detail::visit_wall_contacts(a, contacts, Engine::memory);
 
-    std::vector<double> books;
+    DynArray<double> books;
     if constexpr (Sim::has_ledger) {
       books = sim.book_.state();
       books.insert(books.end(),
                    {sim.gravity_booked_.x, sim.gravity_booked_.y, sim.gravity_booked_.z});
       a.column("ledger", books, books.size());
     }
-    std::vector<double> box;
+    DynArray<double> box;
     if constexpr (detail::deforms<typename Sim::Domain>) {
       box = sim.domain_.state();
       e.lists.flow.put_state(box);
@@ -158,14 +159,14 @@ class Checkpoint {
     if constexpr (Sim::Fluid::active) {
       detail::visit_columns(a, e.fluid_loads(), e.owners());
       if (const Vec3d& left = e.fluid_loads().left; Sim::follows_fluid)
-        a.copied("fluid.taken_by_left", std::vector{left.x, left.y, left.z});
+        a.copied("fluid.taken_by_left", DynArray{left.x, left.y, left.z});
       // visit() takes its arguments as mutable; saving does not change them.
       const_cast<typename Sim::Fluid&>(sim.fluid_)
           .for_each_state([&](const std::string& name, const auto& values) {
-            a.copied(name, std::vector<double>(values.begin(), values.end()));
+            a.copied(name, DynArray<double>(values.begin(), values.end()));
           });
     }
-    std::vector<std::uint64_t> search;
+    DynArray<std::uint64_t> search;
     if constexpr (chooses_search) {
       const auto& choice = detail::finder_of(sim.search_).choice();
       search = {choice.finder, choice.spheres};

@@ -9,8 +9,8 @@
 #include <string>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/files/checkpoint_file.hpp>
 
 /// Archives of a checkpoint. One function visits the state of a component, and CheckpointSaver or
@@ -58,13 +58,13 @@ class CheckpointSaver {
       out_.add(name, integers_.emplace_back(1, static_cast<std::int64_t>(value)));
   }
   template <class T>
-  void column(const std::string& name, const std::vector<T>& values, std::size_t,
+  void column(const std::string& name, const DynArray<T>& values, std::size_t,
               const NumberRule& = finite_number) {
     out_.add(name, values);
   }
   /// A column that is copied and need not outlive the call.
   template <class T>
-  void copied(const std::string& name, std::vector<T> values) {
+  void copied(const std::string& name, DynArray<T> values) {
     if constexpr (std::is_same_v<T, double>)
       out_.add(name, reals_.emplace_back(std::move(values)));
     else if constexpr (std::is_same_v<T, std::int64_t>)
@@ -83,9 +83,9 @@ class CheckpointSaver {
 
  private:
   CheckpointWriter& out_;
-  std::deque<std::vector<double>> reals_;
-  std::deque<std::vector<std::int64_t>> integers_;
-  std::deque<std::vector<std::uint32_t>> words_;
+  std::deque<DynArray<double>> reals_;
+  std::deque<DynArray<std::int64_t>> integers_;
+  std::deque<DynArray<std::uint32_t>> words_;
 };
 
 /// Reads what it visits from a file, and refuses numbers that violate their rule.
@@ -127,14 +127,14 @@ class CheckpointLoader {
   }
   /// Exactly `count` values, or as many as the file has.
   template <class T>
-  void column(const std::string& name, std::vector<T>& values, std::size_t count,
+  void column(const std::string& name, DynArray<T>& values, std::size_t count,
               [[maybe_unused]] const NumberRule& rule = finite_number) const {
     values = count == any_count ? in_.get<T>(name) : in_.get<T>(name, count);
     if constexpr (std::is_floating_point_v<T>) check(name, values, rule);
   }
   template <class T>
-  std::vector<T> column(const std::string& name, std::size_t count = any_count) const {
-    std::vector<T> values;
+  DynArray<T> column(const std::string& name, std::size_t count = any_count) const {
+    DynArray<T> values;
     column(name, values, count);
     return values;
   }

@@ -7,9 +7,9 @@
 #include <string>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include <silt/bond/concept.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/io/checkpoint_checks.hpp>
 #include <silt/io/describe_scene.hpp>
 
@@ -25,15 +25,15 @@ struct BondsState<Stage> {
   using Bond = typename Stage::Bond;
   using AtWall = typename Stage::AtWalls::Bond;
   using Numbers = decltype(Bond::numbers);
-  std::vector<std::uint64_t> ids, number;  // two per bond; one per bond
-  std::vector<BondRest<double>> rest;
-  std::vector<Numbers> numbers;
-  std::vector<std::uint64_t> wall_ids, wall_number;  // particle and wall; one per bond
-  std::vector<std::uint64_t> wall_excludes, freed;   // 0 or 1 per bond; particle and wall
-  std::vector<std::uint64_t> asked;                  // two per bond that is to break (unbond)
-  std::vector<Vec3d> wall_place;
-  std::vector<BondRest<double>> wall_rest;
-  std::vector<Numbers> wall_numbers;
+  DynArray<std::uint64_t> ids, number;  // two per bond; one per bond
+  DynArray<BondRest<double>> rest;
+  DynArray<Numbers> numbers;
+  DynArray<std::uint64_t> wall_ids, wall_number;  // particle and wall; one per bond
+  DynArray<std::uint64_t> wall_excludes, freed;   // 0 or 1 per bond; particle and wall
+  DynArray<std::uint64_t> asked;                  // two per bond that is to break (unbond)
+  DynArray<Vec3d> wall_place;
+  DynArray<BondRest<double>> wall_rest;
+  DynArray<Numbers> wall_numbers;
   std::uint64_t made = 0, broken = 0;
 
   static BondsState of(const Stage& stage, const BondedPairs& held) {
@@ -76,8 +76,8 @@ struct BondsState<Stage> {
   /// Refuses impossible values; `p`: particles of the file, `surfaces`: number for each wall.
   template <class State>
   void check(const CheckpointLoader& a, const State& p,
-             const std::vector<std::uint64_t>& surfaces) const {
-    std::vector<ParticleId> present;
+             const DynArray<std::uint64_t>& surfaces) const {
+    DynArray<ParticleId> present;
     for (std::size_t k = 0; k < p.size(); ++k) {
       if (p.is_parked(k)) continue;
       present.push_back(p.id[k]);
@@ -87,7 +87,7 @@ struct BondsState<Stage> {
     const auto is_there = [&](ParticleId id) {
       return std::binary_search(present.begin(), present.end(), id);
     };
-    std::vector<std::pair<std::uint64_t, std::uint64_t>> pairs;
+    DynArray<std::pair<std::uint64_t, std::uint64_t>> pairs;
     for (std::size_t k = 0; k < number.size(); ++k) {
       const std::uint64_t i = ids[2 * k], j = ids[2 * k + 1];
       a.need(i < j && is_there(i) && is_there(j), "bonds.ids[", k, "] = ", i, " and ", j,

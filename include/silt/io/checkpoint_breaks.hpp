@@ -5,10 +5,10 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include <silt/breakage/impact_energies.hpp>
 #include <silt/breakage/size_table.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/io/checkpoint_checks.hpp>
 #include <silt/io/describe_scene.hpp>
@@ -20,11 +20,11 @@ namespace silt::inline SILT_TARGET::detail {
 /// Tests: tests/breakage/runs.cpp, step_runs.cpp, compositions.cpp.
 template <class Stage>
 struct BreaksState {
-  std::vector<std::uint64_t> due_ids, due_cause, broken;
-  std::vector<double> due, fed, dust, left, impacts;  // due: load and speed of each
-  std::vector<double> sizes;                          // if the time step follows them
-  std::vector<double> dust_of, left_of;               // if there are several materials
-  std::vector<std::uint64_t> broken_of;               // likewise, three of each
+  DynArray<std::uint64_t> due_ids, due_cause, broken;
+  DynArray<double> due, fed, dust, left, impacts;  // due: load and speed of each
+  DynArray<double> sizes;                          // if the time step follows them
+  DynArray<double> dust_of, left_of;               // if there are several materials
+  DynArray<std::uint64_t> broken_of;               // likewise, three of each
 
   static BreaksState of(const Stage& stage) {
     BreaksState s;
@@ -68,7 +68,7 @@ struct BreaksState {
   }
   /// Refuses impossible values.
   void check(const CheckpointLoader& a) const {
-    const auto all_of_mass = [](const std::vector<double>& numbers) {
+    const auto all_of_mass = [](const DynArray<double>& numbers) {
       return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
     };
     for (std::size_t k = 0; k < due_ids.size(); ++k) {
@@ -78,7 +78,7 @@ struct BreaksState {
              "breakage.due_loads of particle ", due_ids[k], " cannot be");
     }
     a.need(all_of_mass(fed) && fed[0] >= 0, "breakage.fed is impossible");
-    const auto is_table = [](const std::vector<double>& numbers) {
+    const auto is_table = [](const DynArray<double>& numbers) {
       try {
         SizeTable().restore(numbers);
         return true;

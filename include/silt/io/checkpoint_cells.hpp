@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/io/checkpoint_checks.hpp>
 #include <silt/shape/convex_hull.hpp>
@@ -19,10 +19,10 @@ namespace silt::inline SILT_TARGET::detail {
 /// Tests: tests/breakage/polyhedra_restart.cpp.
 template <class Form>
 struct CellsState {
-  std::vector<std::uint32_t> sizes;       // corners and faces of each cell
-  std::vector<std::uint32_t> face_sizes;  // corners of each face
-  std::vector<std::uint32_t> loops;       // of the faces, one after the other
-  std::vector<Vec3d> corners;
+  DynArray<std::uint32_t> sizes;       // corners and faces of each cell
+  DynArray<std::uint32_t> face_sizes;  // corners of each face
+  DynArray<std::uint32_t> loops;       // of the faces, one after the other
+  DynArray<Vec3d> corners;
 
   static CellsState of(std::span<const Form> cells) {
     CellsState s;
@@ -49,11 +49,11 @@ struct CellsState {
     a.column("breakage.loops", loops, count(loops));
   }
   /// Restores the forms; refuses corners and faces that do not bound a convex body.
-  std::vector<Form> forms(const CheckpointLoader& a) const {
+  DynArray<Form> forms(const CheckpointLoader& a) const {
     a.need(sizes.size() % 2 == 0, "breakage.cells has ", sizes.size(), " numbers, not two each");
     Rest corner{a, "breakage.corners", corners.size()}, loop{a, "breakage.loops", loops.size()},
         face{a, "breakage.face_sizes", face_sizes.size()};
-    std::vector<Form> all;
+    DynArray<Form> all;
     for (std::size_t k = 0; k < sizes.size(); k += 2) {
       ConvexFaces body;
       const std::size_t from = corner.next(sizes[k], k / 2), end = from + sizes[k];

@@ -7,8 +7,8 @@
 #include <limits>
 #include <span>
 #include <string>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/io/checkpoint_parts.hpp>
 
 /// Consistency checks of a checkpoint: its numbers must fit each other and the scene. A file that
@@ -136,8 +136,8 @@ void check_finite_rows(const CheckpointLoader& a, const std::string& name, const
 
 /// Returns the rows of each body's parts, as numbered by BodyMotion.
 template <class State, class Forms>
-std::vector<std::uint32_t> check_bodies(const CheckpointLoader& a, const std::vector<Body>& bodies,
-                                        const State& p, const Forms& forms) {
+DynArray<std::uint32_t> check_bodies(const CheckpointLoader& a, const DynArray<Body>& bodies,
+                                     const State& p, const Forms& forms) {
   std::size_t first = 0;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     const Body& b = bodies[k];
@@ -168,7 +168,7 @@ std::vector<std::uint32_t> check_bodies(const CheckpointLoader& a, const std::ve
     first += form.parts.size();
   }
   a.need(first == p.size(), "bodies have ", first, " parts, but there are ", p.size(), " rows");
-  std::vector<std::uint32_t> rows(first, no_place);
+  DynArray<std::uint32_t> rows(first, no_place);
   for (std::size_t r = 0; r < p.size(); ++r) {
     const PartRow& part = p.part[r];
     a.need(part.body < bodies.size() && part.local < forms[bodies[part.body].form].parts.size(),
@@ -206,7 +206,7 @@ void check_pairs(const CheckpointLoader& a, const Pairs& pairs, const State& p,
   a.need(pairs.owned <= pairs.grouped, "pairs.owned = ", pairs.owned, " is more than ",
          pairs.grouped, " rows");
   const PairGroups groups(pairs.owned, pairs.grouped - pairs.owned);
-  std::vector<std::uint32_t> begin(listed + 1, 0);  // pairs of each row, to detect duplicates
+  DynArray<std::uint32_t> begin(listed + 1, 0);  // pairs of each row, to detect duplicates
   std::size_t group = 0;
   for (std::size_t k = 0; k < pairs.outer.size(); ++k) {
     const auto [i, j] = pairs.outer[k];
@@ -224,7 +224,7 @@ void check_pairs(const CheckpointLoader& a, const Pairs& pairs, const State& p,
       a.need(p.part[i].body != p.part[j].body, "pairs.outer[", k, "] is of one body");
   }
   for (std::size_t r = 0; r < listed; ++r) begin[r + 1] += begin[r];
-  std::vector<std::uint32_t> partner(pairs.outer.size()), next(begin.begin(), begin.end());
+  DynArray<std::uint32_t> partner(pairs.outer.size()), next(begin.begin(), begin.end());
   for (const auto [i, j] : pairs.outer) partner[next[std::min(i, j)]++] = std::max(i, j);
   for (std::size_t r = 0; r < listed; ++r) {
     const auto from = partner.begin() + begin[r], to = partner.begin() + begin[r + 1];

@@ -10,8 +10,8 @@
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/io/checkpoint.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -58,7 +58,7 @@ class Checkpoint<Sim>::Merged {
   /// Number of particles in the file of one process.
   std::size_t count(const CheckpointReader& in, [[maybe_unused]] const std::string& name) const {
     if constexpr (Sim::of_bodies) {
-      std::vector<detail::Body> bodies;
+      DynArray<detail::Body> bodies;
       detail::CheckpointLoader(in, name).rows("bodies", bodies,
                                               detail::CheckpointLoader::any_count);
       return static_cast<std::size_t>(std::count_if(
@@ -133,7 +133,7 @@ class Checkpoint<Sim>::Merged {
   }
   /// Bodies and the values of modules for each; rows of the state beside them have their places.
   struct Bodies {
-    std::vector<detail::Body> bodies;
+    DynArray<detail::Body> bodies;
     [[no_unique_address]] std::remove_cvref_t<decltype(std::declval<Engine&>().modules())> fields;
 
     std::uint32_t add(const detail::Body& body, auto& from, std::size_t k) {
@@ -148,7 +148,7 @@ class Checkpoint<Sim>::Merged {
     row_.assign(p.size(), no_row);
     const std::size_t ghosts = block.block_.ghosts;
     const std::size_t own = ghosts > 0 ? block.block_.owners : block.bodies_.size();
-    std::vector<std::uint32_t> place(block.bodies_.size(), no_place);
+    DynArray<std::uint32_t> place(block.bodies_.size(), no_place);
     std::size_t number = 0;
     for (std::size_t k = 0; k < own; ++k) {
       if (block.bodies_[k].id == no_particle) continue;
@@ -267,17 +267,17 @@ class Checkpoint<Sim>::Merged {
   }
   void put_worn(Staged& s, bool is_first) {
     for (std::size_t w = 0; w < s.worn_.size(); ++w)
-      s.worn_[w] = is_first && w < worn_.size() ? worn_[w] : std::vector<double>();
+      s.worn_[w] = is_first && w < worn_.size() ? worn_[w] : DynArray<double>();
   }
   /// Visits the sums in such ledgers; a count precedes the numbers of each module.
   template <class Visit>
-  static void for_each_sum(const std::vector<double>& books, const Visit& visit) {
+  static void for_each_sum(const DynArray<double>& books, const Visit& visit) {
     for (std::size_t at = 0; at < books.size();) {
       const auto count = 2 * static_cast<std::size_t>(books[at++]);
       for (std::size_t k = 0; k < count && at < books.size(); ++k) visit(at++);
     }
   }
-  static std::vector<double> of_first(std::vector<double> books, bool is_first) {
+  static DynArray<double> of_first(DynArray<double> books, bool is_first) {
     if (!is_first) for_each_sum(books, [&](std::size_t k) { books[k] = 0; });
     return books;
   }
@@ -290,7 +290,7 @@ class Checkpoint<Sim>::Merged {
       const auto found = place.find(id);
       return found != place.end() && found->second < owned;
     };
-    std::erase_if(pairs_, [&](const PairMemory& m) { return !m.has_a && is_own(m.a); });
+    erase_if(pairs_, [&](const PairMemory& m) { return !m.has_a && is_own(m.a); });
     const auto append = [&](std::size_t row) {
       place[others_.id[row]] = static_cast<std::uint32_t>(own_.size());
       append_row(own_, others_, row);
@@ -312,7 +312,7 @@ class Checkpoint<Sim>::Merged {
       }
       return place.at(id);
     };
-    std::vector<typename Pairs::Brought> all;
+    DynArray<typename Pairs::Brought> all;
     for (const PairMemory& m : pairs_) {
       const std::uint32_t a = row_of(m.a), b = row_of(m.b);
       all.push_back({a, b, m.values});
@@ -351,7 +351,7 @@ class Checkpoint<Sim>::Merged {
       s.book_.add_own_of(books_[k]);
   }
   void put_lists(Staged& s, const typename Pairs::State& pairs, std::size_t rows) {
-    const std::vector<double> none(rows, 0);
+    const DynArray<double> none(rows, 0);
     auto& lists = s.lists_;
     lists.reference.assign(rows, Vec3d{0, 0, 0});
     lists.upkeep.restore(none, none);
@@ -367,15 +367,15 @@ class Checkpoint<Sim>::Merged {
   decltype(Engine::Mover::synchronous) synchronous_;
   std::unordered_map<ParticleId, std::size_t> other_;  // rows of others_
   [[no_unique_address]] If<Sim::of_bodies, Bodies> own_bodies_, other_bodies_;
-  std::vector<std::size_t> first_row_;  // in others_, of other_bodies_
-  std::vector<If<Sim::has_ledger, decltype(Sim::book_)>> books_;
-  std::vector<std::uint32_t> row_;  // of the block's rows
-  std::vector<PairMemory> pairs_;
-  std::vector<typename Walls::Kept> walls_;
+  DynArray<std::size_t> first_row_;  // in others_, of other_bodies_
+  DynArray<If<Sim::has_ledger, decltype(Sim::book_)>> books_;
+  DynArray<std::uint32_t> row_;  // of the block's rows
+  DynArray<PairMemory> pairs_;
+  DynArray<typename Walls::Kept> walls_;
   [[no_unique_address]] If<Sim::has_bonds, BondsState> bonds_;
   std::unordered_set<std::uint64_t> known_bonds_;  // numbers
-  std::vector<double> from_walls_;                 // where modules have fluxes
-  std::vector<std::vector<double>> worn_;          // of each wall, where modules wear them
+  DynArray<double> from_walls_;                    // where modules have fluxes
+  DynArray<DynArray<double>> worn_;                // of each wall, where modules wear them
 };
 
 }  // namespace silt

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/io/checkpoint_archive.hpp>
 #include <silt/io/scene_description.hpp>
 #include <silt/simulation.hpp>
@@ -110,7 +110,7 @@ void visit_pairs(Archive& a, Pairs& pairs, const Memory& memory) {
       pairs.outer[k] = {outer[2 * k], outer[2 * k + 1]};
     a.column("pairs.inner", pairs.origin, Archive::any_count);
   } else {
-    std::vector<std::uint32_t> outer;
+    DynArray<std::uint32_t> outer;
     outer.reserve(2 * pairs.outer.size());
     for (const auto [i, j] : pairs.outer) outer.push_back(i), outer.push_back(j);
     a.copied("pairs.outer", std::move(outer));
@@ -121,8 +121,8 @@ void visit_pairs(Archive& a, Pairs& pairs, const Memory& memory) {
 }
 
 template <class Archive, class Candidate>
-void visit_candidates(Archive& a, const std::string& name, std::vector<Candidate>& all) {
-  std::vector<std::uint32_t> flat;
+void visit_candidates(Archive& a, const std::string& name, DynArray<Candidate>& all) {
+  DynArray<std::uint32_t> flat;
   if constexpr (Archive::loads) {
     flat = a.template column<std::uint32_t>(name);
     a.need(flat.size() % 7 == 0, name, " has ", flat.size(), " numbers, not 7 each");
@@ -150,7 +150,7 @@ void visit_candidates(Archive& a, const std::string& name, std::vector<Candidate
                   {c.particle, c.wall, c.surface, c.slot, c.facets, c.facet_count, c.origin});
     a.copied(name, std::move(flat));
     // In a periodic box, if there are any.
-    std::vector<std::int64_t> images;
+    DynArray<std::int64_t> images;
     for (const auto& c : all) images.push_back(image_of(c));
     if (std::any_of(images.begin(), images.end(), [](std::int64_t image) { return image != 0; }))
       a.copied(name + "_images", std::move(images));
@@ -165,11 +165,11 @@ void visit_wall_contacts(Archive& a, Contacts& s, const Memory& memory) {
   a.column("walls.outer_facets", s.outer_facets, any);
   a.column("walls.inner_facets", s.inner_facets, any);
   a.column("walls.pieces", s.pieces, any);
-  std::vector<double> slots;
+  DynArray<double> slots;
   if constexpr (Archive::loads) {
     a.column("walls.slots", slots, any);
     a.need(slots.size() % 4 == 0, "walls.slots has ", slots.size(), " numbers, not 4 each");
-    std::vector<std::uint32_t> features;
+    DynArray<std::uint32_t> features;
     a.column("walls.features", features, slots.size() / 4);
     for (std::size_t k = 0; k < slots.size(); k += 4) {
       a.need(flag_number.holds(slots[k + 3]), "walls.slots[", k + 3, "] = ", slots[k + 3], " ",
@@ -178,7 +178,7 @@ void visit_wall_contacts(Archive& a, Contacts& s, const Memory& memory) {
           {{slots[k], slots[k + 1], slots[k + 2]}, slots[k + 3] == 1, features[k / 4]});
     }
   } else {
-    std::vector<std::uint32_t> features;
+    DynArray<std::uint32_t> features;
     slots.reserve(4 * s.slots.size()), features.reserve(s.slots.size());
     for (const auto& slot : s.slots) {
       const Vec3d& n = slot.normal;
@@ -203,18 +203,18 @@ void check_memory(const CheckpointLoader& a, const char* of, const History& hist
 
 /// Poses and loads of walls, and their poses when the lists were built.
 struct WallsState {
-  std::vector<std::uint64_t> surfaces;  // of each wall; 0: removed
-  std::vector<std::uint64_t> drive;     // kind of its drive (WallDrive), 0: none
-  std::vector<std::uint64_t> moves;     // 1: the lists treat it as moving
-  std::vector<Pose> pose, last_pose;
-  std::vector<Vec3d> force, torque, reference, impulse, angular_impulse, turned;
-  std::vector<WallState> state;
-  std::vector<std::uint64_t> deforming, deformed, vertices;  // vertices: number of vertex_steps
-  std::vector<Vec3d> vertex_steps;
-  std::vector<double> worn;                 // where modules wear walls
-  std::vector<std::uint64_t> worn_numbers;  // of each wall
-  std::array<std::vector<Pose>, 2> marks;   // at the search, at the pruning
-  std::vector<Box> regions;                 // of both
+  DynArray<std::uint64_t> surfaces;  // of each wall; 0: removed
+  DynArray<std::uint64_t> drive;     // kind of its drive (WallDrive), 0: none
+  DynArray<std::uint64_t> moves;     // 1: the lists treat it as moving
+  DynArray<Pose> pose, last_pose;
+  DynArray<Vec3d> force, torque, reference, impulse, angular_impulse, turned;
+  DynArray<WallState> state;
+  DynArray<std::uint64_t> deforming, deformed, vertices;  // vertices: number of vertex_steps
+  DynArray<Vec3d> vertex_steps;
+  DynArray<double> worn;                 // where modules wear walls
+  DynArray<std::uint64_t> worn_numbers;  // of each wall
+  std::array<DynArray<Pose>, 2> marks;   // at the search, at the pruning
+  DynArray<Box> regions;                 // of both
 
   template <class Walls, class Lists>
   static WallsState of(const Walls& walls, const Lists& lists) {
@@ -266,9 +266,9 @@ struct WallsState {
   /// Wear of each wall of a scene, which must match the scene; `modules`: number of those that
   /// wear.
   template <class Walls>
-  std::vector<std::vector<double>> worn_of(const CheckpointLoader& a, const Walls& scene,
-                                           std::size_t modules) const {
-    std::vector<std::vector<double>> all(scene.size());
+  DynArray<DynArray<double>> worn_of(const CheckpointLoader& a, const Walls& scene,
+                                     std::size_t modules) const {
+    DynArray<DynArray<double>> all(scene.size());
     std::size_t from = 0;
     for (std::size_t w = 0; w < worn_numbers.size(); ++w) {
       const std::size_t n = worn_numbers[w];
@@ -299,8 +299,8 @@ struct WallsState {
 };
 
 struct OpeningsState {
-  std::vector<std::uint64_t> out_count, placed, waiting, insertions, seed, counter;
-  std::vector<double> out_mass, in_mass, start, interval, before;
+  DynArray<std::uint64_t> out_count, placed, waiting, insertions, seed, counter;
+  DynArray<double> out_mass, in_mass, start, interval, before;
 
   template <class Openings>
   static OpeningsState of(const Openings& openings) {

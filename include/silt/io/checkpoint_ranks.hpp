@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/files/checkpoint_file.hpp>
 #include <silt/io/checkpoint_archive.hpp>
 #include <silt/io/rank_files.hpp>
@@ -31,10 +32,10 @@ namespace silt::inline SILT_TARGET::detail {
 /// The index of a checkpoint and its blocks.
 struct CheckpointIndex {
   static constexpr const char* mark = "ranks.blocks";
-  std::string blocks;                                         // common beginning of their names
-  std::int64_t step = 0;                                      // of the run
-  std::uint64_t present = 0;                                  // particles of all blocks
-  std::vector<std::uint64_t> bytes, sums, owned, safeguards;  // of each block
+  std::string blocks;                                      // common beginning of their names
+  std::int64_t step = 0;                                   // of the run
+  std::uint64_t present = 0;                               // particles of all blocks
+  DynArray<std::uint64_t> bytes, sums, owned, safeguards;  // of each block
 
   std::size_t size() const { return bytes.size(); }
   std::uint64_t safeguards_of_all() const {
@@ -50,8 +51,8 @@ struct CheckpointIndex {
   void write(const std::string& path, const std::string& signature) const {
     CheckpointWriter out(signature);
     out.add_text(mark, blocks);
-    const std::vector<std::int64_t> at{step};
-    const std::vector<std::uint64_t> all{present};
+    const DynArray<std::int64_t> at{step};
+    const DynArray<std::uint64_t> all{present};
     out.add("ranks.step", at), out.add("ranks.present", all);
     out.add("ranks.bytes", bytes), out.add("ranks.sums", sums);
     out.add("ranks.owned", owned), out.add("ranks.safeguards", safeguards);
@@ -135,7 +136,7 @@ struct CheckpointIndex {
 
 /// Values that can be copied as bytes, one after the other, in whole words.
 struct BytesOut {
-  std::vector<std::uint64_t> words;
+  DynArray<std::uint64_t> words;
   template <class T>
   void operator()(const std::vector<T>& values) {
     put(values.data(), values.size() * sizeof(T));
@@ -155,7 +156,7 @@ struct BytesOut {
 };
 struct BytesIn {
   const CheckpointLoader& a;
-  std::vector<std::uint64_t> words;
+  DynArray<std::uint64_t> words;
   std::size_t at = 0;
   template <class T>
   void operator()(std::vector<T>& values) {
@@ -185,15 +186,15 @@ struct BytesIn {
 /// Additional state of a block: its part of the whole.
 struct BlockState {
   std::uint64_t rank = 0, of = 1, ghosts = 0, owners = 0;
-  double smallest_radius = 0;                     // [m] of all ranks
-  bool some_fixed = false;                        // of all ranks
-  std::uint64_t present = 0;                      // particles of all ranks
-  std::vector<std::uint64_t> counts, neighbours;  // neighbours: rank, first, end, rows sent
-  std::vector<std::uint32_t> sent;
-  std::vector<Vec3d> impulses;  // of each wall: own, angular; of all, angular
-  std::vector<double> balance;  // of Rebalance
-  std::vector<double> near;     // NearReach, then near_work; absent in older files
-  std::vector<std::uint64_t> parts;
+  double smallest_radius = 0;                  // [m] of all ranks
+  bool some_fixed = false;                     // of all ranks
+  std::uint64_t present = 0;                   // particles of all ranks
+  DynArray<std::uint64_t> counts, neighbours;  // neighbours: rank, first, end, rows sent
+  DynArray<std::uint32_t> sent;
+  DynArray<Vec3d> impulses;  // of each wall: own, angular; of all, angular
+  DynArray<double> balance;  // of Rebalance
+  DynArray<double> near;     // NearReach, then near_work; absent in older files
+  DynArray<std::uint64_t> parts;
 
   static bool is_in(const CheckpointLoader& a) { return a.has("ranks.of"); }
   template <class Archive>

@@ -11,8 +11,8 @@
 #include <string>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/checkpoint_wall_checks.hpp>
 
@@ -233,7 +233,7 @@ class Checkpoint<Sim>::Staged {
     try {
       fluid_->for_each_state([&](const std::string& name, auto&& values) {
         // A part that is a vector has any length.
-        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(values)>, std::vector<double>>) {
+        if constexpr (requires { values.resize(std::size_t{}); }) {
           values = a.template column<double>(name);
           detail::check_fluid_part(a, name, values, *fluid_);
         } else {
@@ -262,20 +262,20 @@ class Checkpoint<Sim>::Staged {
   detail::WallsState walls_;
   detail::BlockState block_;  // of a run on many ranks
   std::optional<Parts> parts_;
-  std::vector<std::vector<Vec3d>> vertex_steps_;  // of each wall
-  std::vector<std::vector<double>> worn_;         // of each wall, where modules wear them
-  std::vector<double> from_walls_;                // where modules have fluxes
-  WallValues<WallHeat> wall_heat_;                // where a module has it
-  std::size_t known_walls_ = 0;                   // number of walls of the scene that the file has
-  bool laws_changed_ = false;  // materials or rules of breakage differ from the file
+  DynArray<DynArray<Vec3d>> vertex_steps_;  // of each wall
+  DynArray<DynArray<double>> worn_;         // of each wall, where modules wear them
+  DynArray<double> from_walls_;             // where modules have fluxes
+  WallValues<WallHeat> wall_heat_;          // where a module has it
+  std::size_t known_walls_ = 0;             // number of walls of the scene that the file has
+  bool laws_changed_ = false;               // materials or rules of breakage differ from the file
   detail::OpeningsState openings_;
   decltype(Engine::coefficients) coefficients_;
   typename Engine::State particles_;
   decltype(Engine::Mover::synchronous) synchronous_;
-  std::vector<detail::Body> bodies_;
-  [[no_unique_address]] If<has_cells, std::vector<Form>> forms_;  // where polyhedra break
-  std::size_t cells_ = 0;                                         // of them, the last ones
-  std::vector<std::uint32_t> rows_;
+  DynArray<detail::Body> bodies_;
+  [[no_unique_address]] If<has_cells, DynArray<Form>> forms_;  // where polyhedra break
+  std::size_t cells_ = 0;                                      // of them, the last ones
+  DynArray<std::uint32_t> rows_;
   std::remove_cvref_t<decltype(std::declval<Engine&>().fluid_loads())> loads_;
   [[no_unique_address]] std::remove_cvref_t<decltype(std::declval<Engine&>().modules())> fields_;
   typename Engine::Lists lists_;

@@ -9,8 +9,8 @@
 #include <span>
 #include <string>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/io/checkpoint_staged.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -21,7 +21,7 @@ void Checkpoint<Sim>::Staged::read_scene(const detail::CheckpointLoader& a, cons
   coefficients_ = Engine::coefficients_of(sim_.contacts_);  // throws where a pair has no values
   const std::string written = a.words("scene");
   a.column("walls.surfaces", walls_.surfaces, detail::CheckpointLoader::any_count);
-  std::vector<bool> removed(e_.walls.size(), false);  // in the file, or in both
+  DynArray<bool> removed(e_.walls.size(), false);  // in the file, or in both
   for (std::size_t w = 0; w < std::min(removed.size(), walls_.surfaces.size()); ++w)
     removed[w] = walls_.surfaces[w] == 0;
   known_walls_ = accepted.walls ? std::min(removed.size(), walls_.surfaces.size()) : removed.size();
@@ -63,7 +63,7 @@ void Checkpoint<Sim>::Staged::read_particles(const detail::CheckpointLoader& a) 
     if constexpr (has_cells) read_cells(a);
     rows_ = detail::check_bodies(a, bodies_, particles_, forms());
     count = bodies_.size();
-    std::vector<ParticleId> ids;
+    DynArray<ParticleId> ids;
     for (const auto& b : bodies_) ids.push_back(b.id);
     detail::check_ids(a, "body", std::move(ids), clock_.next_id);
   }
@@ -129,7 +129,7 @@ void Checkpoint<Sim>::Staged::read_lists(const detail::CheckpointLoader& a,
   // A plane that starts or stops moving has its contacts at another place than in the file.
   const bool laid_out = detail::check_wall_contacts<Engine>(a, contacts, lists_.walls, walls,
                                                             listed, forgotten, accepted.motions);
-  const std::vector<double> outer(upkeep.outer.begin(), upkeep.outer.end()),
+  const DynArray<double> outer(upkeep.outer.begin(), upkeep.outer.end()),
       inner(upkeep.inner.begin(), upkeep.inner.end());
   upkeep.restore(outer, inner);
   lists_.pairs.restore(pairs, paired);

@@ -8,8 +8,8 @@
 #include <span>
 #include <string>
 #include <variant>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/io/checkpoint_checks.hpp>
 
 /// Consistency of a checkpoint's walls with those of the scene; as checkpoint_checks.hpp.
@@ -22,8 +22,8 @@ template <class Engine, class Contacts>
 bool check_wall_contacts(const CheckpointLoader& a, const typename Contacts::State& s,
                          const Contacts& contacts, std::span<const Wall> walls, std::size_t listed,
                          bool forgotten, bool other_motions) {
-  const auto check = [&](const char* name, const std::vector<typename Contacts::Candidate>& all,
-                         const std::vector<std::uint32_t>& facets) {
+  const auto check = [&](const char* name, const DynArray<typename Contacts::Candidate>& all,
+                         const DynArray<std::uint32_t>& facets) {
     for (std::size_t k = 0; k < all.size(); ++k) {
       const auto& c = all[k];
       a.need(c.particle < listed && c.wall < walls.size(), name, "[", k, "] is of row ", c.particle,
@@ -53,7 +53,7 @@ bool check_wall_contacts(const CheckpointLoader& a, const typename Contacts::Sta
   check("walls.outer", s.outer, s.outer_facets), check("walls.inner", s.inner, s.inner_facets);
   for (std::size_t k = 1; k < s.outer.size(); ++k)
     a.need(s.outer[k - 1].key() < s.outer[k].key(), "walls.outer[", k, "] is not in order");
-  std::vector<bool> seen(s.outer.size(), false);
+  DynArray<bool> seen(s.outer.size(), false);
   for (std::size_t k = 0; k < s.inner.size(); ++k) {
     const auto& c = s.inner[k];
     a.need(c.origin < s.outer.size() && !seen[c.origin] && s.outer[c.origin].key() == c.key(),

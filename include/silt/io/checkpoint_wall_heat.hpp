@@ -6,8 +6,8 @@
 #include <string>
 #include <tuple>
 #include <type_traits>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/io/checkpoint_archive.hpp>
 #include <silt/module/heat/temperature.hpp>
@@ -36,7 +36,7 @@ void with_wall_heat(Modules& modules, const Visit& visit) {
 inline constexpr const char* wall_heat_column = "modules.wall_heat";
 
 inline void save_wall_heat(CheckpointSaver& a, const WallValues<WallHeat>& walls, double time) {
-  std::vector<double> numbers;
+  DynArray<double> numbers;
   walls.for_each_changed([&](std::size_t w, const WallHeat& heat) {
     const bool insulated = heat.kind() == WallHeat::Kind::Insulated;
     numbers.insert(numbers.end(), {static_cast<double>(w), static_cast<double>(heat.kind()),

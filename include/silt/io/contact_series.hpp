@@ -7,8 +7,8 @@
 #include <span>
 #include <string>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/files/atomic_file.hpp>
 #include <silt/files/vtk.hpp>
 #include <silt/io/observers.hpp>
@@ -74,15 +74,15 @@ class ContactLines {
     overlap_.resize(room), a_.resize(room), b_.resize(room), wall_.resize(room);
   }
   template <class T>
-  std::span<const T> taken(const std::vector<T>& all) const {
+  std::span<const T> taken(const DynArray<T>& all) const {
     return {all.data(), count_};
   }
 
   std::size_t count_ = 0;
-  std::vector<Point> points_, force_;
-  std::vector<float> normal_, tangential_, overlap_;
-  std::vector<std::uint64_t> a_, b_;
-  std::vector<std::int32_t> wall_;
+  DynArray<Point> points_, force_;
+  DynArray<float> normal_, tangential_, overlap_;
+  DynArray<std::uint64_t> a_, b_;
+  DynArray<std::int32_t> wall_;
   VtkLines cells_;
 };
 
@@ -91,7 +91,7 @@ void write_contact_table(const Sim& sim, const std::string& file, const Each& ea
   const std::string_view header =
       "a,b,wall,surface,facet,x [m],y [m],z [m],normal x [-],normal y [-],normal z [-],overlap "
       "[m],normal force [N],force x [N],force y [N],force z [N]\n";
-  std::vector<SortedLine> lines;
+  DynArray<SortedLine> lines;
   std::string all;
   const auto add = [&](double value) { detail::append(all, value), all += ','; };
   each([&](const ContactSeen& c) {

@@ -7,9 +7,9 @@
 #include <span>
 #include <string>
 #include <type_traits>
-#include <vector>
 
 #include <silt/boundary/wall.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/io/scene_description.hpp>
 #include <silt/simulation.hpp>
 
@@ -74,7 +74,7 @@ inline void describe(const Describer& is, const TriangleMesh& mesh) {
   is("triangles", mesh.triangles().size()),
       is("cosine of the smooth angle", mesh.cos_smooth_angle());
   is("vertices", std::span<const Vec3d>(mesh.vertices()));
-  std::vector<Vec3d> corners;
+  DynArray<Vec3d> corners;
   for (const auto& [i, j, k] : mesh.triangles())
     corners.push_back({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
   is("corners of the triangles", std::span<const Vec3d>(corners));
@@ -229,7 +229,7 @@ template <class Sim>
 /// `removed[w]`: wall w is described as one without surfaces. Walls from `known` on are new.
 template <class Sim, class Table, class Openings>
 SceneDescription describe_scene(const Sim& sim, const Table& coefficients, const Openings& openings,
-                                const std::vector<bool>& removed, std::size_t known) {
+                                const DynArray<bool>& removed, std::size_t known) {
   using Aspect = SceneDescription::Aspect;
   SceneDescription out;
   const Describer is(out, Aspect::Scene, "");

@@ -10,8 +10,8 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/files/csv_table.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/observers.hpp>
@@ -30,7 +30,7 @@ class FailureScene {
   /// `back` [s]: time by which positions are ahead of the forces.
   FailureScene(const Sim& sim, const SimulationError& error, double back)
       : sim_(sim), role_(sim.rows(), Near) {
-    std::vector<ParticleId> ids(error.particles.begin(), error.particles.end());
+    DynArray<ParticleId> ids(error.particles.begin(), error.particles.end());
     if (ids.empty()) ids = fastest();
     for (const ParticleId id : ids)
       if (const std::size_t k = sim.find(id); k < sim.rows()) role_[k] = Named, named_.push_back(k);
@@ -39,7 +39,7 @@ class FailureScene {
   }
 
   void write_particles_csv(const std::string& path) const {
-    std::vector<std::vector<double>> rows;
+    DynArray<DynArray<double>> rows;
     for (const Role wanted : {Named, Touching})
       for (std::size_t k = 0; k < sim_.rows(); ++k) {
         if (!sim_.is_present(k) || role_[k] != wanted) continue;
@@ -66,7 +66,7 @@ class FailureScene {
   /// Writes particles near those named, or only these and their contact partners, for ParaView and
   /// `silt draw --colour role`. Role 2: named by the error, 1: in contact with those, 0: others.
   void write_particles_vtp(const std::string& path, bool others) const {
-    std::vector<std::size_t> shown;
+    DynArray<std::size_t> shown;
     for (const std::size_t k : near_)
       if (others || role_[k] != Near) shown.push_back(k);
     if constexpr (Sim::has_surfaces)
@@ -91,13 +91,13 @@ class FailureScene {
 
  private:
   /// If the error names no particle, the fastest are shown.
-  std::vector<ParticleId> fastest() const {
+  DynArray<ParticleId> fastest() const {
     ParticleId who = no_particle;
     double most = -1;
     for (std::size_t k = 0; k < sim_.rows(); ++k)
       if (sim_.is_present(k) && norm(sim_.velocity(k)) > most)
         most = norm(sim_.velocity(k)), who = sim_.id(k);
-    return who == no_particle ? std::vector<ParticleId>{} : std::vector<ParticleId>{who};
+    return who == no_particle ? DynArray<ParticleId>{} : DynArray<ParticleId>{who};
   }
   void find_contacts(double back) {
     const auto& e = sim_.engine();
@@ -146,14 +146,14 @@ class FailureScene {
           (role_[k] != Near || around_.contains(sim_.position(k))) && near_.size() < most_near)
         near_.push_back(k);
   }
-  void write_spheres(const std::string& path, const std::vector<std::size_t>& shown) const {
-    std::vector<Vec3d> place;
-    std::vector<float> radius;
-    std::vector<ParticleId> id;
-    std::vector<std::uint32_t> role;
-    std::vector<std::array<float, 3>> velocity;
+  void write_spheres(const std::string& path, const DynArray<std::size_t>& shown) const {
+    DynArray<Vec3d> place;
+    DynArray<float> radius;
+    DynArray<ParticleId> id;
+    DynArray<std::uint32_t> role;
+    DynArray<std::array<float, 3>> velocity;
     const auto& e = sim_.engine();
-    std::vector<char> wanted(sim_.rows(), 0);
+    DynArray<char> wanted(sim_.rows(), 0);
     for (const std::size_t k : shown) wanted[k] = 1;
     for (std::size_t row = 0; row < e.particles.owned(); ++row) {
       if (e.particles.is_parked(row) || !wanted[e.owner_of(row)]) continue;
@@ -169,11 +169,11 @@ class FailureScene {
     fields.add("radius", radius).add("id", id).add("role", role).add("velocity", velocity);
     write_vtp_points(path, place, fields);
   }
-  void write_bodies(const std::string& path, const std::vector<std::size_t>& shown) const
+  void write_bodies(const std::string& path, const DynArray<std::size_t>& shown) const
       requires(Sim::has_surfaces) {
     SurfaceMesh all;
-    std::vector<ParticleId> id;
-    std::vector<std::uint32_t> role;
+    DynArray<ParticleId> id;
+    DynArray<std::uint32_t> role;
     for (const std::size_t k : shown) {
       const SurfaceMesh mesh = surface_of(sim_.forms()[sim_.form(k)].shape);
       const auto first = static_cast<std::uint32_t>(all.points.size());
@@ -195,9 +195,9 @@ class FailureScene {
   static constexpr std::size_t most_near = 2000;  // limit of particles in the picture
 
   const Sim& sim_;
-  std::vector<Role> role_;
-  std::vector<std::size_t> named_, near_;
-  std::vector<std::array<double, 8>> contacts_;
+  DynArray<Role> role_;
+  DynArray<std::size_t> named_, near_;
+  DynArray<std::array<double, 8>> contacts_;
   Box around_;
 };
 

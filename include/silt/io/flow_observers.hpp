@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/fluid/flow_at.hpp>
 #include <silt/fluid/flow_mean.hpp>
 #include <silt/io/observers.hpp>
@@ -110,10 +110,10 @@ void check_place(const Sim& sim, const char* what, const std::string& name, cons
 /// curves`.
 ///
 ///   sim.run(1.0, silt::flow_probes("probes.csv", {{"axis", {0, 0, 0.1}}}, silt::every(0.01)));
-inline auto flow_probes(const std::string& path, std::vector<FlowProbe> probes, Schedule schedule,
+inline auto flow_probes(const std::string& path, DynArray<FlowProbe> probes, Schedule schedule,
                         const FlowOutput& output = {}) {
   require(!probes.empty(), "flow_probes '", path, "': there are no points");
-  std::vector<std::string> columns{"time [s]", "time of the flow [s]"};
+  DynArray<std::string> columns{"time [s]", "time of the flow [s]"};
   for (const auto& probe : probes)
     for (const std::string& what :
          {std::string("velocity x [m/s]"), std::string("velocity y [m/s]"),
@@ -129,7 +129,7 @@ inline auto flow_probes(const std::string& path, std::vector<FlowProbe> probes, 
     for (const auto& p : probes) detail::check_place(sim, "flow_probes", p.name, p.place);
   };
   auto rows = table(path, columns, schedule, [probes, output](const auto& sim) {
-    std::vector<double> row{sim.time(), detail::flow_time(sim)};
+    DynArray<double> row{sim.time(), detail::flow_time(sim)};
     for (const auto& p : probes) {
       const FlowValues at = flow_at(detail::flow_of(sim), p.place);
       const double pressure = at.pressure + detail::weight_at(sim, output, p.place);
@@ -148,10 +148,10 @@ inline auto flow_probes(const std::string& path, std::vector<FlowProbe> probes, 
 ///
 ///   silt::pressure_taps("taps.csv", {{"below", {0, 0, 0.02}, 2}, {"above", {0, 0, 0.08}, 2}},
 ///                       silt::every(0.01))
-inline auto pressure_taps(const std::string& path, std::vector<PressureTap> taps, Schedule schedule,
+inline auto pressure_taps(const std::string& path, DynArray<PressureTap> taps, Schedule schedule,
                           const FlowOutput& output = {}) {
   require(!taps.empty(), "pressure_taps '", path, "': there are no taps");
-  std::vector<std::string> columns{"time [s]", "time of the flow [s]"};
+  DynArray<std::string> columns{"time [s]", "time of the flow [s]"};
   for (const auto& tap : taps) columns.push_back(tap.name + ' ' + detail::pressure_words(output));
   for (std::size_t k = 1; k < taps.size(); ++k)
     columns.push_back(text("drop from ", taps[k - 1].name, " to ", taps[k].name, " [Pa]"));
@@ -172,7 +172,7 @@ inline auto pressure_taps(const std::string& path, std::vector<PressureTap> taps
     }
   };
   auto rows = table(path, columns, schedule, [taps, read](const auto& sim) {
-    std::vector<double> row{sim.time(), detail::flow_time(sim)};
+    DynArray<double> row{sim.time(), detail::flow_time(sim)};
     for (const auto& tap : taps) row.push_back(read(sim, tap));
     for (std::size_t k = 1; k < taps.size(); ++k) row.push_back(row[k + 1] - row[k + 2]);
     return row;
@@ -202,7 +202,7 @@ inline auto flow_profile(const std::string& folder, const std::string& name, con
   };
   auto write = at<ActionKind::Reads>(schedule, [=](const auto& sim) {
     const auto& flow = detail::flow_of(sim);
-    std::vector<std::vector<double>> rows;
+    DynArray<DynArray<double>> rows;
     for (int k = 0; k < points; ++k) {
       const Vec3d x = place(k);
       if (!has_fluid_at(flow, x)) continue;
@@ -212,15 +212,15 @@ inline auto flow_profile(const std::string& folder, const std::string& name, con
                       here.pressure + detail::weight_at(sim, output, x), here.voidage});
       if (here.temperature) rows.back().push_back(*here.temperature);
     }
-    std::vector<std::string> columns{"distance [m]",
-                                     "x [m]",
-                                     "y [m]",
-                                     "z [m]",
-                                     "velocity x [m/s]",
-                                     "velocity y [m/s]",
-                                     "velocity z [m/s]",
-                                     detail::pressure_words(output),
-                                     "voidage [-]"};
+    DynArray<std::string> columns{"distance [m]",
+                                  "x [m]",
+                                  "y [m]",
+                                  "z [m]",
+                                  "velocity x [m/s]",
+                                  "velocity y [m/s]",
+                                  "velocity z [m/s]",
+                                  detail::pressure_words(output),
+                                  "voidage [-]"};
     if (detail::temperature_of(flow) != nullptr) columns.push_back("temperature [K]");
     make_folder(folder);
     const auto number = std::to_string(sim.step());

@@ -10,8 +10,8 @@
 #include <span>
 #include <string>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/files/atomic_file.hpp>
 #include <silt/files/csv_table.hpp>
 #include <silt/files/vtk.hpp>
@@ -44,9 +44,8 @@ namespace detail {
 /// Opens a table. One that continues (Simulation::continues) keeps the rows of times before
 /// `first`, the time of the next row.
 template <class Sim>
-std::shared_ptr<CsvTable> open_table(const std::string& path,
-                                     const std::vector<std::string>& columns, const Sim& sim,
-                                     double first) {
+std::shared_ptr<CsvTable> open_table(const std::string& path, const DynArray<std::string>& columns,
+                                     const Sim& sim, double first) {
   return std::make_shared<CsvTable>(
       sim.continues(path) ? CsvTable::resume(path, columns, first - 0.5 * sim.step_length())
                           : CsvTable(path, columns));
@@ -59,7 +58,7 @@ std::shared_ptr<CsvTable> open_table(const std::string& path,
 /// which keep the earlier rows. On many ranks each rank calls row(simulation), which must return
 /// equal numbers on all, as the sums of a Simulation are; rank 0 writes.
 template <class Row>
-auto table(const std::string& path, const std::vector<std::string>& columns, Schedule schedule,
+auto table(const std::string& path, const DynArray<std::string>& columns, Schedule schedule,
            Row row) {
   return at<ActionKind::Reads>(schedule,
                                [path, columns, row = std::move(row),

@@ -3,8 +3,8 @@
 
 #include <string>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/files/csv_table.hpp>
 #include <silt/io/observers.hpp>
 
@@ -16,7 +16,7 @@ namespace silt::inline SILT_TARGET {
 /// all and needs the memory for their lines (collective).
 template <class Sim>
 void write_particle_csv(const std::string& file, const Sim& sim) {
-  std::vector<std::string> columns{"id", "x", "y", "z"};
+  DynArray<std::string> columns{"id", "x", "y", "z"};
   const auto name_vector = [&](const std::string& name) {
     for (const char* axis : {" x", " y", " z"}) columns.push_back(name + axis);
   };
@@ -29,8 +29,8 @@ void write_particle_csv(const std::string& file, const Sim& sim) {
     else
       columns.push_back(name);
   });
-  std::vector<detail::SortedLine> lines;
-  std::vector<double> row;
+  DynArray<detail::SortedLine> lines;
+  DynArray<double> row;
   const auto add = [&row](const Vec3d& v) { row.insert(row.end(), {v.x, v.y, v.z}); };
   for (std::size_t k = 0; k < sim.rows(); ++k) {
     if (!sim.is_present(k)) continue;

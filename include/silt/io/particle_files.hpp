@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <string>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/quaternion.hpp>
 #include <silt/files/vtk.hpp>
 #include <silt/io/rank_files.hpp>
@@ -24,8 +24,8 @@ inline std::array<float, 3> in_floats(const Vec3d& v) {
 }
 /// Fields of modules; must outlive the file that they are written to.
 struct ModuleFields {
-  std::vector<std::vector<std::array<double, 3>>> vectors;
-  std::vector<std::vector<double>> numbers;
+  DynArray<DynArray<std::array<double, 3>>> vectors;
+  DynArray<DynArray<double>> numbers;
 
   /// collect(value) returns value(place) for all places that are written.
   template <class Sim, class Collect>
@@ -48,11 +48,11 @@ struct ModuleFields {
 /// ending, and rank 0 writes the index for ParaView: out/bed.pvtp for out/bed.vtp (collective).
 template <class Sim, class More>
 void write_particles(const std::string& file, const Sim& sim, const More& more) {
-  std::vector<std::size_t> places;
+  DynArray<std::size_t> places;
   for (std::size_t k = 0; k < sim.rows(); ++k)
     if (sim.is_present(k)) places.push_back(k);
   const auto collect = [&](auto value) {
-    std::vector<decltype(value(std::size_t{}))> all;
+    DynArray<decltype(value(std::size_t{}))> all;
     all.reserve(places.size());
     for (const auto k : places) all.push_back(value(k));
     return all;
@@ -65,13 +65,13 @@ void write_particles(const std::string& file, const Sim& sim, const More& more) 
       collect([&](std::size_t k) { return static_cast<std::uint32_t>(sim.material(k)); });
   VtkFields fields;
   fields.add("radius", radius).add("velocity", velocity).add("id", id).add("material", material);
-  std::vector<std::array<float, 3>> spin;
+  DynArray<std::array<float, 3>> spin;
   if constexpr (Sim::rotates) {
     spin = collect([&](std::size_t k) { return detail::in_floats(sim.angular_velocity(k)); });
     fields.add("angular_velocity", spin);
   }
-  std::vector<std::array<float, 4>> orientation;
-  std::vector<std::uint32_t> form;
+  DynArray<std::array<float, 4>> orientation;
+  DynArray<std::uint32_t> form;
   if constexpr (Sim::of_bodies) {
     orientation = collect([&](std::size_t k) {
       const Quaternion q = sim.orientation(k);
@@ -90,9 +90,9 @@ void write_particles(const std::string& file, const Sim& sim, const More& more) 
 /// Writes the spheres of multi-sphere bodies: radius, and the id of the body.
 template <class Sim>
 void write_parts(const std::string& file, const Sim& sim) requires(Sim::of_bodies) {
-  std::vector<Vec3d> position;
-  std::vector<float> radius;
-  std::vector<ParticleId> id;
+  DynArray<Vec3d> position;
+  DynArray<float> radius;
+  DynArray<ParticleId> id;
   const auto& e = sim.engine();
   for (std::size_t row = 0; row < e.particles.owned(); ++row) {
     if (e.particles.is_parked(row)) continue;
@@ -109,10 +109,10 @@ void write_parts(const std::string& file, const Sim& sim) requires(Sim::of_bodie
 /// fields of the body; in a Mix also the number of its shape.
 template <class Sim>
 void write_surfaces(const std::string& file, const Sim& sim) requires(Sim::has_surfaces) {
-  std::vector<SurfaceMesh> of_forms;
+  DynArray<SurfaceMesh> of_forms;
   for (const auto& form : sim.forms()) of_forms.push_back(surface_of(form.shape));
   SurfaceMesh all;
-  std::vector<std::size_t> body;  // of each point
+  DynArray<std::size_t> body;  // of each point
   for (std::size_t k = 0; k < sim.rows(); ++k) {
     if (!sim.is_present(k)) continue;
     const SurfaceMesh& mesh = of_forms[sim.form(k)];
@@ -126,7 +126,7 @@ void write_surfaces(const std::string& file, const Sim& sim) requires(Sim::has_s
     body.insert(body.end(), mesh.points.size(), k);
   }
   const auto collect = [&](auto value) {
-    std::vector<decltype(value(std::size_t{}))> values;
+    DynArray<decltype(value(std::size_t{}))> values;
     values.reserve(body.size());
     for (const std::size_t k : body) values.push_back(value(k));
     return values;
@@ -140,7 +140,7 @@ void write_surfaces(const std::string& file, const Sim& sim) requires(Sim::has_s
   fields.add("id", id).add("form", form).add("velocity", velocity).add("material", material);
   detail::ModuleFields of_modules;
   of_modules.add_to(fields, sim, collect);
-  std::vector<std::uint32_t> shape;
+  DynArray<std::uint32_t> shape;
   if constexpr (requires { sim.forms().front().shape.kind(); }) {
     for (const std::uint32_t f : form)
       shape.push_back(static_cast<std::uint32_t>(sim.forms()[f].shape.kind()));

@@ -10,8 +10,8 @@
 #include <span>
 #include <string>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/files/csv_table.hpp>
 #include <silt/io/schedule.hpp>
 #include <silt/measure/passing_counter.hpp>
@@ -77,7 +77,7 @@ class PassingSeries {
  private:
   template <class Sim>
   void open(const Sim& sim) {
-    static const std::vector<std::string> columns{
+    static const DynArray<std::string> columns{
         "time [s]",           "number forwards [-]", "number backwards [-]",
         "mass forwards [kg]", "mass backwards [kg]", "number rate [1/s]",
         "mass rate [kg/s]"};

@@ -7,10 +7,10 @@
 #include <cstdio>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include <unistd.h>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/io/break_warnings.hpp>
 #include <silt/io/progress_line.hpp>
 #include <silt/io/scene_warnings.hpp>
@@ -24,7 +24,7 @@ namespace detail {
 class ToldWarnings {
  public:
   template <class Tell>
-  void tell(const std::vector<std::string>& warnings, Tell&& tell) {
+  void tell(const DynArray<std::string>& warnings, Tell&& tell) {
     for (const auto& sentence : warnings) {
       if (std::find(told_.begin(), told_.end(), sentence) != told_.end()) continue;
       told_.push_back(sentence);
@@ -33,7 +33,7 @@ class ToldWarnings {
   }
 
  private:
-  std::vector<std::string> told_;
+  DynArray<std::string> told_;
 };
 
 }  // namespace detail
@@ -88,7 +88,7 @@ class Progress {
     warn(inlet_warnings(sim)), warn(servo_warnings(sim)), warn(break_warnings(sim, broken_));
     warn(fluid_warnings(sim));
   }
-  void tell(const std::vector<BreakEvent>& broken) const { broken_.add(broken); }
+  void tell(const DynArray<BreakEvent>& broken) const { broken_.add(broken); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -100,7 +100,7 @@ class Progress {
   static double seconds_since(Clock::time_point t) {
     return std::chrono::duration<double>(Clock::now() - t).count();
   }
-  void warn(const std::vector<std::string>& warnings) {
+  void warn(const DynArray<std::string>& warnings) {
     if (!first_rank_) return;
     told_.tell(warnings, [this](const std::string& sentence) {
       std::fprintf(options_.out, "warning: %s\n", sentence.c_str());
@@ -181,11 +181,11 @@ class WarningsObserver {
     tell(sim, inlet_warnings(sim)), tell(sim, servo_warnings(sim));
     tell(sim, break_warnings(sim, broken_)), tell(sim, fluid_warnings(sim));
   }
-  void tell(const std::vector<BreakEvent>& broken) const { broken_.add(broken); }
+  void tell(const DynArray<BreakEvent>& broken) const { broken_.add(broken); }
 
  private:
   template <class Sim>
-  void tell(const Sim& sim, const std::vector<std::string>& warnings) {
+  void tell(const Sim& sim, const DynArray<std::string>& warnings) {
     if (sim.rank() == 0) told_.tell(warnings, callback_);
   }
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/files/vtk.hpp>
 #include <silt/simulation.hpp>
 
@@ -46,7 +46,7 @@ void write_in_pieces(const Sim& sim, const std::string& path, const VtkFields& f
                [&] { write(before_ending(path, text("_r", sim.rank()))); });
   on_all_ranks(sim, "the index of a VTK file", [&] {
     if (sim.rank() != 0) return;
-    std::vector<std::string> names;
+    DynArray<std::string> names;
     for (int r = 0; r < sim.ranks(); ++r)
       names.push_back(without_folder(before_ending(path, text("_r", r))));
     write_vtp_index(listed_file(sim, path), names, fields, layout);
@@ -74,7 +74,7 @@ struct SortedLine {
 };
 /// Lines of all ranks in order, on rank 0; empty on others.
 template <class Sim>
-std::vector<SortedLine> gather_lines(const Sim& sim, std::vector<SortedLine> lines) {
+DynArray<SortedLine> gather_lines(const Sim& sim, DynArray<SortedLine> lines) {
   if constexpr (Sim::has_ranks) {
     const auto& ranks = sim.engine().ranks;
     std::string own;
@@ -83,7 +83,7 @@ std::vector<SortedLine> gather_lines(const Sim& sim, std::vector<SortedLine> lin
       own.append(reinterpret_cast<const char*>(head), sizeof head), own += line.words;
     }
     ranks.meet("lines of a table");
-    std::vector<Outgoing> out;
+    DynArray<Outgoing> out;
     if (ranks.rank() != 0) {
       lines.clear();
       out.push_back({0, std::as_bytes(std::span(own))});

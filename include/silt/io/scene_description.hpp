@@ -12,8 +12,8 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/names.hpp>
 #include <silt/core/vec3.hpp>
@@ -205,7 +205,7 @@ class SceneDescription {
     return safe.size() == value.size() + 2 ? std::string(value) : safe;
   }
 
-  std::vector<Item> items_;
+  DynArray<Item> items_;
 };
 
 }  // namespace detail

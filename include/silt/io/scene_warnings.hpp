@@ -12,9 +12,9 @@
 #include <string>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include <silt/contact/concept.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/io/scene_look.hpp>
 #include <silt/module/heat/temperature.hpp>
@@ -103,7 +103,7 @@ double way_between_looks(const Sim& sim, const SceneLook& look) {
 /// count.
 template <class Sim>
 void warn_of_thin(const Sim& sim, const SceneLook& look, std::size_t outlet,
-                  std::vector<std::string>& out) {
+                  DynArray<std::string>& out) {
   const Box& region = sim.outlet(outlet).region;
   const double way = way_between_looks(sim, look);
   const auto of = [](const Vec3d& v) { return std::array{v.x, v.y, v.z}; };
@@ -156,7 +156,7 @@ bool is_far_off(const Sim& sim, const SceneLook& look, const Box& region) {
 /// Warns of an outlet that no particle can reach; false if it is in order.
 template <class Sim>
 bool warn_of_outside(const Sim& sim, const SceneLook& look, std::size_t outlet,
-                     std::vector<std::string>& out) {
+                     DynArray<std::string>& out) {
   const Box& region = sim.outlet(outlet).region;
   const auto say = [&](const auto&... words) {
     out.push_back(name_of(outlet, region) + text(words...));
@@ -206,7 +206,7 @@ inline constexpr bool is_sticky = ActsAtDistance<typename ContactsType::Law> ||
 };
 
 template <class Sim>
-void warn_of_gravity(const Sim& sim, const SceneLook& look, std::vector<std::string>& out) {
+void warn_of_gravity(const Sim& sim, const SceneLook& look, DynArray<std::string>& out) {
   const Vec3d g = sim.gravity;
   const std::string name = text("gravity = ", g, " [m/s2] ");
   if (is_earths(g, 1000))
@@ -248,7 +248,7 @@ void warn_of_gravity(const Sim& sim, const SceneLook& look, std::vector<std::str
 }
 
 template <class Sim>
-void warn_of_units(const Sim& sim, const SceneLook& look, std::vector<std::string>& out) {
+void warn_of_units(const Sim& sim, const SceneLook& look, DynArray<std::string>& out) {
   if (look.is_empty() || !has_scale(sim.gravity)) return;
   const double lightest =
       Sim::Fluid::active ? WarningLimits::lightest_bubble : WarningLimits::lightest_solid;
@@ -264,7 +264,7 @@ void warn_of_units(const Sim& sim, const SceneLook& look, std::vector<std::strin
 
 /// Particles and walls so cold that degrees Celsius may have been given for K.
 template <class Sim>
-void warn_of_temperatures(const Sim& sim, std::vector<std::string>& out) {
+void warn_of_temperatures(const Sim& sim, DynArray<std::string>& out) {
   const auto is_odd = [](double T) { return T < WarningLimits::coldest; };
   const auto say = [&](const std::string& what, double T) {
     out.push_back(text(what, " has ", about(T),
@@ -292,7 +292,7 @@ void warn_of_temperatures(const Sim& sim, std::vector<std::string>& out) {
 
 /// Particles outside the grid of the flow, where no fluid force acts.
 template <class Sim>
-void warn_of_grid(const Sim& sim, std::vector<std::string>& out) {
+void warn_of_grid(const Sim& sim, DynArray<std::string>& out) {
   if constexpr (requires { sim.fluid().flow().grid().box(); }) {
     const auto& grid = sim.fluid().flow().grid();
     const Box& box = grid.box();
@@ -317,8 +317,8 @@ void warn_of_grid(const Sim& sim, std::vector<std::string>& out) {
 /// Warnings of a scene before it runs: outlets, gravity, units, temperatures, the flow's grid.
 /// Empty if there are none. On many ranks equal on each, and collective (RankAccess).
 template <class Sim>
-[[gnu::cold]] std::vector<std::string> scene_warnings(const Sim& sim) {
-  std::vector<std::string> out;
+[[gnu::cold]] DynArray<std::string> scene_warnings(const Sim& sim) {
+  DynArray<std::string> out;
   const detail::SceneLook look = detail::look_at(sim);
   for (std::size_t k = 0; k < sim.outlets(); ++k)
     if (!detail::warn_of_outside(sim, look, k, out)) detail::warn_of_thin(sim, look, k, out);
@@ -333,7 +333,7 @@ template <class Sim>
 /// that start deep in each other or in a wall. Empty later, and without them. On many ranks equal
 /// on each, and collective.
 template <class Sim>
-[[gnu::cold]] std::vector<std::string> overlap_warnings(const Sim& sim) {
+[[gnu::cold]] DynArray<std::string> overlap_warnings(const Sim& sim) {
   const auto own = sim.overlap_at_start(WarningLimits::start_overlap);
   const double n = sim.sum_over_ranks(static_cast<double>(own.beyond));
   if (!(n > 0)) return {};
@@ -374,8 +374,8 @@ std::string why_nothing_came(const Sim& sim, const Inlet& inlet) {
 /// Warnings after a run: inlets that placed fewer particles than due. A delay of at most one
 /// insertion does not count.
 template <class Sim>
-[[gnu::cold]] std::vector<std::string> inlet_warnings(const Sim& sim) {
-  std::vector<std::string> out;
+[[gnu::cold]] DynArray<std::string> inlet_warnings(const Sim& sim) {
+  DynArray<std::string> out;
   for (std::size_t k = 0; k < sim.inlets(); ++k) {
     const Inlet& inlet = sim.inlet(k);
     const auto waiting = static_cast<double>(inlet.waiting);
@@ -396,9 +396,9 @@ template <class Sim>
 
 /// Warnings after a run of a fluid that has some: an Sph whose liquid has left its region.
 template <class Sim>
-[[gnu::cold]] std::vector<std::string> fluid_warnings(const Sim& sim) {
+[[gnu::cold]] DynArray<std::string> fluid_warnings(const Sim& sim) {
   if constexpr (requires {
-                  { sim.fluid().warnings() } -> std::convertible_to<std::vector<std::string>>;
+                  { sim.fluid().warnings() } -> std::convertible_to<DynArray<std::string>>;
                 })
     return sim.fluid().warnings();
   else

@@ -6,9 +6,9 @@
 #include <cstddef>
 #include <string>
 #include <variant>
-#include <vector>
 
 #include <silt/boundary/wall.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -46,8 +46,8 @@ inline bool never_met_its_load(const Wall& wall, double time) {
 /// position of the wall: a wall that met its load and lost it at once counts as one that never did.
 /// Tests:   tests/io/servo_warnings.cpp.
 template <class Sim>
-[[gnu::cold]] std::vector<std::string> servo_warnings(const Sim& sim) {
-  std::vector<std::string> out;
+[[gnu::cold]] DynArray<std::string> servo_warnings(const Sim& sim) {
+  DynArray<std::string> out;
   for (std::size_t w = 0; w < sim.walls(); ++w) {
     const Wall& wall = sim.wall(w);
     if (!detail::is_servo(wall.drive) || !detail::never_met_its_load(wall, sim.time())) continue;

@@ -11,11 +11,11 @@
 #include <string>
 #include <utility>
 #include <variant>
-#include <vector>
 
 #include <silt/boundary/outline.hpp>
 #include <silt/boundary/wall.hpp>
 #include <silt/core/box.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/files/vtk.hpp>
 #include <silt/io/rank_files.hpp>
 #include <silt/io/wall_region.hpp>
@@ -45,12 +45,12 @@ Box wall_region(const Sim& sim) {
 
 /// The part of a plane within `around` that is not behind other planes of its wall.
 [[gnu::cold]] inline Outline outline(const Plane& plane, const Box& around,
-                                     const std::vector<Plane>& of_wall) {
+                                     const DynArray<Plane>& of_wall) {
   const Outline whole = outline(plane, around);
   Outline part = whole;
   const double tolerance = 1e-9 * norm(around.extent());  // [m]
   for (const Plane& other : of_wall) {
-    std::vector<Vec3d> kept;
+    DynArray<Vec3d> kept;
     const auto height = [&](const Vec3d& p) { return dot(p - other.point, other.normal); };
     for (std::size_t k = 0; k < part.points.size(); ++k) {
       const Vec3d &p = part.points[k], &q = part.points[(k + 1) % part.points.size()];
@@ -95,10 +95,10 @@ std::optional<Cylinder> closed_cylinder(const Sim& sim, std::size_t w, const Pla
 
 /// Triangles that show a wall at its present pose; planes only within `around`.
 struct WallTriangles {
-  std::vector<Vec3d> points;  // [m]
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<std::uint32_t> wall;       // number of the wall, for each point
-  std::vector<std::uint32_t> unbounded;  // 1: of a plane, which goes on; for each point
+  DynArray<Vec3d> points;  // [m]
+  DynArray<std::array<std::uint32_t, 3>> triangles;
+  DynArray<std::uint32_t> wall;       // number of the wall, for each point
+  DynArray<std::uint32_t> unbounded;  // 1: of a plane, which goes on; for each point
 
   bool operator==(const WallTriangles&) const = default;
 };
@@ -110,7 +110,7 @@ WallTriangles wall_triangles(const Sim& sim, const Box& around) {
   WallTriangles out;
   for (std::size_t w = 0; w < sim.walls(); ++w) {
     const Pose& pose = sim.wall(w).pose;
-    const std::vector<Plane> planes = detail::planes_of(sim.wall(w));
+    const DynArray<Plane> planes = detail::planes_of(sim.wall(w));
     std::size_t plane = 0;
     const auto add = [&](const detail::Outline& seen, const auto& place, bool unbounded) {
       const auto first = static_cast<std::uint32_t>(out.points.size());

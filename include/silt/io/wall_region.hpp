@@ -10,10 +10,10 @@
 #include <cstddef>
 #include <limits>
 #include <variant>
-#include <vector>
 
 #include <silt/boundary/wall.hpp>
 #include <silt/core/box.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/simulation.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -23,8 +23,8 @@ inline double component(const Vec3d& v, std::size_t d) { return d == 0 ? v.x : d
 inline bool is_empty(const Box& box) { return !(box.min.x <= box.max.x); }
 
 /// The planes of a wall at its present pose, with unit normals.
-inline std::vector<Plane> planes_of(const Wall& wall) {
-  std::vector<Plane> planes;
+inline DynArray<Plane> planes_of(const Wall& wall) {
+  DynArray<Plane> planes;
   for (const Surface& surface : wall.surfaces)
     if (const auto* plane = std::get_if<Plane>(&surface))
       planes.push_back(
@@ -39,9 +39,9 @@ struct FacingPlanes {
 };
 /// Those that are at most ten times as far apart as the closest of the wall. Farther ones, as of a
 /// box in a periodic direction, are not where the scene ends.
-[[gnu::cold]] inline std::vector<FacingPlanes> facing_planes(const std::vector<Plane>& planes) {
+[[gnu::cold]] inline DynArray<FacingPlanes> facing_planes(const DynArray<Plane>& planes) {
   constexpr double most = 10;  // [-]
-  std::vector<FacingPlanes> pairs;
+  DynArray<FacingPlanes> pairs;
   double closest = std::numeric_limits<double>::infinity();  // [m]
   for (std::size_t a = 0; a < planes.size(); ++a)
     for (std::size_t b = a + 1; b < planes.size(); ++b) {
@@ -52,13 +52,13 @@ struct FacingPlanes {
       pairs.push_back({n, low, high});
       closest = std::min(closest, high - low);
     }
-  std::erase_if(
-      pairs, [&](const FacingPlanes& p) { return p.high - p.low > most * (1 + 1e-9) * closest; });
+  erase_if(pairs,
+           [&](const FacingPlanes& p) { return p.high - p.low > most * (1 + 1e-9) * closest; });
   return pairs;
 }
 
 /// Corners of the first three pairs with independent normals; none if there are no three.
-[[gnu::cold]] inline Box bounds_of(const std::vector<FacingPlanes>& pairs) {
+[[gnu::cold]] inline Box bounds_of(const DynArray<FacingPlanes>& pairs) {
   Box all;
   const std::size_t n = pairs.size();
   for (std::size_t a = 0; a < n; ++a)
@@ -84,8 +84,8 @@ struct PlaneAcross {
   double place;  // [m]
   bool upwards;  // towards larger coordinates
 };
-[[gnu::cold]] inline std::vector<PlaneAcross> planes_across(const std::vector<Plane>& planes) {
-  std::vector<PlaneAcross> all;
+[[gnu::cold]] inline DynArray<PlaneAcross> planes_across(const DynArray<Plane>& planes) {
+  DynArray<PlaneAcross> all;
   for (const Plane& plane : planes)
     for (std::size_t d = 0; d < 3; ++d)
       if (const double n = component(plane.normal, d); std::abs(n) > 1 - 1e-12)
@@ -96,7 +96,7 @@ struct PlaneAcross {
 /// The region of particles with these centres [m] and this largest radius [m], at least ten radii
 /// wide. Where all centres are before a plane it ends at the plane.
 [[gnu::cold]] inline Box region_of_particles(const Box& centres, double radius,
-                                             const std::vector<PlaneAcross>& planes) {
+                                             const DynArray<PlaneAcross>& planes) {
   Box around = centres.grown(radius);
   for (std::size_t d = 0; d < 3; ++d) {
     double &low = component(around.min, d), &high = component(around.max, d);
@@ -115,9 +115,9 @@ struct PlaneAcross {
 /// most two extents of all these away. `radius` [m]: the largest.
 template <class Sim>
 [[gnu::cold]] Box region_of_scene(const Sim& sim, const Box& centres, double radius) {
-  std::vector<PlaneAcross> planes;
+  DynArray<PlaneAcross> planes;
   Box all;
-  std::vector<double> low[3], high[3];  // [m] of facing planes across an axis
+  DynArray<double> low[3], high[3];  // [m] of facing planes across an axis
   for (std::size_t w = 0; w < sim.walls(); ++w) {
     const Wall& wall = sim.wall(w);
     for (const Surface& surface : wall.surfaces) {

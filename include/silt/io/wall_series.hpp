@@ -5,8 +5,8 @@
 #include <string>
 #include <utility>
 #include <variant>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/files/csv_table.hpp>
 #include <silt/io/observers.hpp>
 #include <silt/simulation.hpp>
@@ -91,26 +91,26 @@ class WallSeriesObserver {
     const std::size_t wall =
         name_.empty() ? sim.wall_number(number_) : sim.wall_number(std::string_view(name_));
     mean_ = std::make_shared<MeanLoad>(sim, wall), number_ = wall;
-    static const std::vector<std::string> columns{"time [s]",
-                                                  "force x [N]",
-                                                  "force y [N]",
-                                                  "force z [N]",
-                                                  "torque x [N m]",
-                                                  "torque y [N m]",
-                                                  "torque z [N m]",
-                                                  "impulse x [N s]",
-                                                  "impulse y [N s]",
-                                                  "impulse z [N s]",
-                                                  "angular impulse x [N m s]",
-                                                  "angular impulse y [N m s]",
-                                                  "angular impulse z [N m s]",
-                                                  "x [m]",
-                                                  "y [m]",
-                                                  "z [m]",
-                                                  "way [m or rad]",
-                                                  "angle x [rad]",
-                                                  "angle y [rad]",
-                                                  "angle z [rad]"};
+    static const DynArray<std::string> columns{"time [s]",
+                                               "force x [N]",
+                                               "force y [N]",
+                                               "force z [N]",
+                                               "torque x [N m]",
+                                               "torque y [N m]",
+                                               "torque z [N m]",
+                                               "impulse x [N s]",
+                                               "impulse y [N s]",
+                                               "impulse z [N s]",
+                                               "angular impulse x [N m s]",
+                                               "angular impulse y [N m s]",
+                                               "angular impulse z [N m s]",
+                                               "x [m]",
+                                               "y [m]",
+                                               "z [m]",
+                                               "way [m or rad]",
+                                               "angle x [rad]",
+                                               "angle y [rad]",
+                                               "angle z [rad]"};
     if (sim.rank() != 0) return;
     const double keep = sim.time() + 0.5 * sim.step_length();  // the row of now is there already
     table_ = std::make_shared<CsvTable>(
@@ -126,7 +126,7 @@ class WallSeriesObserver {
   void operator()(const Sim& sim) {
     const MeanLoad::Load mean = mean_->read(sim);
     const Wall& wall = sim.wall(number_);
-    std::vector<double> row{sim.time()};
+    DynArray<double> row{sim.time()};
     for (const Vec3d& v :
          {mean.force, mean.torque, wall.impulse, wall.angular_impulse, wall.pose.translation})
       row.insert(row.end(), {v.x, v.y, v.z});

@@ -6,8 +6,8 @@
 #include <initializer_list>
 #include <string>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/names.hpp>
 
@@ -45,8 +45,8 @@ class WallValues {
   };
 
   WallValues() = default;
-  WallValues(std::initializer_list<Entry> all) : WallValues(std::vector<Entry>(all)) {}
-  explicit WallValues(std::vector<Entry> all) : entries_(std::move(all)) {
+  WallValues(std::initializer_list<Entry> all) : WallValues(DynArray<Entry>(all)) {}
+  explicit WallValues(DynArray<Entry> all) : entries_(std::move(all)) {
     for (std::size_t k = 0; k < entries_.size(); ++k) {
       require(entries_[k].given == entries_[0].given, "entry ", k, " of a list of walls' values ",
               entries_[k].given ? "has its wall's name or number, the first one does not"
@@ -57,7 +57,7 @@ class WallValues {
     in_order_ = entries_.empty() || !entries_[0].given;
   }
 
-  const std::vector<Entry>& entries() const { return entries_; }
+  const DynArray<Entry>& entries() const { return entries_; }
   /// The value of a wall; null: none given.
   const T* of(std::size_t wall) const {
     if (in_order_) return wall < entries_.size() ? &entries_[wall].value : nullptr;
@@ -108,10 +108,10 @@ class WallValues {
     }
   }
 
-  std::vector<Entry> entries_;
+  DynArray<Entry> entries_;
   bool in_order_ = true;
   // Entry of each wall, counted from 1; 0: none. Set before a run.
-  mutable std::vector<std::size_t> entry_of_;
+  mutable DynArray<std::size_t> entry_of_;
   mutable bool resolved_ = false;
 };
 

@@ -6,9 +6,9 @@
 #include <cstddef>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include <silt/boundary/wall.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/module/concept.hpp>
 
@@ -95,8 +95,8 @@ concept WearLaw = std::copyable<L> && requires(const L& law, const WallRub& c) {
 /// Units:  [m3].
 template <WearLaw Law>
 struct Wear {
-  Law law{};                       // of all walls except
-  std::vector<Law> first_walls{};  // ... of wall 0, 1, ..., as far as given
+  Law law{};                    // of all walls except
+  DynArray<Law> first_walls{};  // ... of wall 0, 1, ..., as far as given
 
   double worn(const WallRub& c, std::size_t wall) const {
     return (wall < first_walls.size() ? first_walls[wall] : law).volume(c);

@@ -6,6 +6,7 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <vector>
 
 #include <silt/parallel/agreed.hpp>
 #include <silt/parallel/comm.hpp>

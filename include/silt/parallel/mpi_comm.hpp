@@ -19,6 +19,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <silt/parallel/agree.hpp>
 #include <silt/parallel/comm.hpp>

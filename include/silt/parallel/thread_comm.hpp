@@ -11,6 +11,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <silt/parallel/comm.hpp>
 #include <silt/parallel/ordered_key.hpp>

@@ -1,6 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <vector>
+
 #include <silt/search/concept.hpp>
 #include <silt/search/grid_frame.hpp>
 

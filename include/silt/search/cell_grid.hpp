@@ -6,7 +6,9 @@
 #include <cstddef>
 #include <numeric>
 #include <utility>
+#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/search/concept.hpp>
@@ -114,7 +116,7 @@ class CellGrid {
     std::size_t from, length;
   };
   /// The columns that contain positions 0 ... n-1.
-  static void cut_into_columns(std::size_t n, std::vector<Span>& of) {
+  static void cut_into_columns(std::size_t n, DynArray<Span>& of) {
     const std::size_t columns = std::max<std::size_t>((n + tile / 2) / tile, 1);
     of.clear();
     for (std::size_t c = 0; c < columns; ++c) {
@@ -179,9 +181,9 @@ class CellGrid {
   static constexpr std::size_t tile = 12;  // cells
 
   detail::GridFrame frame_;
-  std::array<std::vector<Span>, 2> columns_;  // of each x and y
-  std::vector<std::uint32_t> cell_, next_;
-  std::vector<std::uint32_t> start_;  // first sphere of each cell, in spheres_
+  std::array<DynArray<Span>, 2> columns_;  // of each x and y
+  DynArray<std::uint32_t> cell_, next_;
+  DynArray<std::uint32_t> start_;  // first sphere of each cell, in spheres_
   detail::SphereColumns spheres_;
   detail::FoundInParts found_;
 };

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <silt/boundary/domain.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/position_row.hpp>
 #include <silt/core/threads.hpp>
 

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/search/brute_force.hpp>
 #include <silt/search/cell_grid.hpp>
@@ -42,7 +43,7 @@ std::string_view type_name() {
 
 /// Sorts pairs into an order that does not depend on the search: lower number first, ascending.
 inline void sort_pairs(std::vector<IndexPair>& pairs, std::size_t spheres, const Team& team) {
-  std::vector<std::uint32_t> next(spheres + 1, 0);
+  DynArray<std::uint32_t> next(spheres + 1, 0);
   for (IndexPair& p : pairs) {
     p = {std::min(p.a, p.b), std::max(p.a, p.b)};
     ++next[p.a];
@@ -128,7 +129,7 @@ class FastestOf {
   /// Name of the search in use.
   std::string_view chosen() const { return names()[choice_.finder]; }
   /// Candidates of the last measurement; empty after a restart, which keeps the choice.
-  const std::vector<Trial>& trials() const { return trials_; }
+  const DynArray<Trial>& trials() const { return trials_; }
   /// The choice and its reason, in one sentence.
   std::string report() const {
     if (choice_.spheres == 0) return "no search has been tried yet";
@@ -163,7 +164,7 @@ class FastestOf {
     std::vector<std::uint32_t> order;
     detail::space_order(spheres, reach, domain, team, order);
     for (std::size_t size = std::min(n, first_sample);; size = std::min(n, 8 * size)) {
-      std::vector<PositionRow> sample;  // from the middle of the order
+      DynArray<PositionRow> sample;  // from the middle of the order
       for (std::size_t k = 0; k < size; ++k)
         sample.push_back(spheres.rows[size == n ? k : order[(n - size) / 2 + k]]);
       double best = std::numeric_limits<double>::infinity();  // [s]
@@ -200,7 +201,7 @@ class FastestOf {
 
   All finders_;
   Choice choice_;
-  std::vector<Trial> trials_;
+  DynArray<Trial> trials_;
 };
 
 using AutoSearch = FastestOf<HashedGrid, CellGrid, Nbs, BruteForce>;

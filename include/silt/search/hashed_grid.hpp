@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/search/concept.hpp>
 #include <silt/search/level_plan.hpp>
 #include <silt/search/levels.hpp>
@@ -64,8 +65,8 @@ class HashedGrid {
   }
 
   /// Largest cutoffs [m] of the spheres of each level at the last search, coarsest first.
-  std::vector<double> cutoffs() const {
-    std::vector<double> all;
+  DynArray<double> cutoffs() const {
+    DynArray<double> all;
     for (const auto& level : grid_.levels()) all.push_back(level.cutoff);
     return all;
   }

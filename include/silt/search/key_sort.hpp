@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/threads.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -23,7 +23,7 @@ template <class Key>
 class KeySort {
  public:
   /// By the bits from ... to-1.
-  void operator()(std::vector<Key>& keys, int from, int to, const Team& team) {
+  void operator()(DynArray<Key>& keys, int from, int to, const Team& team) {
     if (to <= from) return;
     const int most = keys.size() < 4096 ? 8 : 11, passes = (to - from + most - 1) / most;
     const int digit = (to - from + passes - 1) / passes;
@@ -33,7 +33,7 @@ class KeySort {
   }
 
  private:
-  void sort_digit(std::vector<Key>& keys, int shift, int bits, const Team& team) {
+  void sort_digit(DynArray<Key>& keys, int shift, int bits, const Team& team) {
     const std::size_t n = keys.size(), values = std::size_t{1} << bits;
     const std::size_t parts = n < 4096 ? 1 : static_cast<std::size_t>(std::min(team.threads(), 8));
     const auto digit = [=](Key key) { return key >> shift & (values - 1); };
@@ -55,8 +55,8 @@ class KeySort {
     keys.swap(other_);
   }
 
-  std::vector<Key> other_;
-  std::vector<std::uint32_t> next_;
+  DynArray<Key> other_;
+  DynArray<std::uint32_t> next_;
 };
 
 }  // namespace silt::detail

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/search/levels.hpp>
 #include <silt/search/occupied_rows.hpp>
 
@@ -24,8 +24,8 @@ class LevelPlan {
 
  private:
   std::size_t count_ = 0;
-  std::vector<std::uint8_t> coarse_look_;  // by coarse and fine level
-  std::vector<double> work_;               // [ns] of the levels before each, and of all
+  DynArray<std::uint8_t> coarse_look_;  // by coarse and fine level
+  DynArray<double> work_;               // [ns] of the levels before each, and of all
 };
 
 inline void LevelPlan::make(const OccupiedRows& grid) {

@@ -9,8 +9,8 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/search/concept.hpp>
@@ -59,7 +59,7 @@ class CutoffHistogram {
         std::min(octaves(2 * spheres.largest_radius + reach) - base_ + 1, most);
     const std::size_t parts = static_cast<std::size_t>(std::min(team.threads(), 8)),
                       n = spheres.rows.size();
-    std::vector<Class> of(parts * size);
+    DynArray<Class> of(parts * size);
     team.for_parts(parts, [&](std::size_t part) {
       for (std::size_t k = n * part / parts; k < n * (part + 1) / parts; ++k) {
         const double cutoff = 2 * spheres.rows[k].r + reach;
@@ -76,7 +76,7 @@ class CutoffHistogram {
       if (sum.count > 0) classes_.push_back(sum);
     }
   }
-  const std::vector<Class>& classes() const { return classes_; }
+  const DynArray<Class>& classes() const { return classes_; }
 
  private:
   static constexpr std::size_t most = 512;
@@ -84,7 +84,7 @@ class CutoffHistogram {
   static std::size_t octaves(double cutoff) { return std::bit_cast<std::uint64_t>(cutoff) >> 49; }
 
   std::size_t base_;
-  std::vector<Class> classes_;
+  DynArray<Class> classes_;
 };
 
 // Time of a search [ns], fitted to benchmarks/search; affects only the speed.
@@ -108,13 +108,13 @@ inline AcrossLevels across_levels(double coarse, double coarse_cutoff, double fi
 /// In a bed of volume V a sphere tests some 10 n v/V others of a level of n spheres and cells of
 /// volume v. Dynamic programming: the best partitions of the smaller classes are extended by one
 /// level.
-inline std::vector<double> cheapest_levels(const std::vector<CutoffHistogram::Class>& classes,
-                                           double reach, std::size_t most) {
+inline DynArray<double> cheapest_levels(const DynArray<CutoffHistogram::Class>& classes,
+                                        double reach, std::size_t most) {
   constexpr double least = 20, base = 10, look = 5;  // [ns] per sphere; 10 others take one `look`
   constexpr double volume_a_cube = 1.1;              // of a bed: of the cube around a sphere
   const std::size_t n = classes.size();
-  double volume = 0;                    // [m3]
-  std::vector<double> finer(n + 1, 0);  // spheres of smaller classes
+  double volume = 0;                 // [m3]
+  DynArray<double> finer(n + 1, 0);  // spheres of smaller classes
   for (std::size_t k = 0; k < n; ++k) {
     const double d = classes[k].largest - reach, count = static_cast<double>(classes[k].count);
     volume += volume_a_cube * count * d * d * d;
@@ -127,7 +127,7 @@ inline std::vector<double> cheapest_levels(const std::vector<CutoffHistogram::Cl
     std::size_t cut = 0;
   };
   most = std::min(most, n);
-  std::vector<Best> all(most * (n + 1));
+  DynArray<Best> all(most * (n + 1));
   const auto best = [&](std::size_t l, std::size_t k) -> Best& { return all[l * (n + 1) + k]; };
   const double level_cost = 2000 + finer[n];  // [ns] minimum gain of another level
   const auto own_cost = [&](std::size_t from, std::size_t to) {
@@ -153,17 +153,17 @@ inline std::vector<double> cheapest_levels(const std::vector<CutoffHistogram::Cl
             sum < best(l, k).cost)
           best(l, k) = {sum, c};
     }
-  std::vector<double> cutoffs;
+  DynArray<double> cutoffs;
   for (std::size_t k = n, l = most - 1; k > 0; k = best(l, k).cut, l -= l > 0)
     cutoffs.push_back(classes[k - 1].largest);
   return cutoffs;
 }
 
 /// Cutoffs [m] of the levels, coarsest first.
-inline std::vector<double> choose_levels(const SphereSet& spheres, double reach,
-                                         const Levels& levels, const Team& team) {
+inline DynArray<double> choose_levels(const SphereSet& spheres, double reach, const Levels& levels,
+                                      const Team& team) {
   const double largest = 2 * spheres.largest_radius + reach;  // [m]
-  std::vector<double> cutoffs{largest};
+  DynArray<double> cutoffs{largest};
   if (levels.most == 1 || spheres.rows.empty()) return cutoffs;
   std::array<double, Team::most_ranges> smallest_of;
   smallest_of.fill(largest);

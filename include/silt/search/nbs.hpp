@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/search/concept.hpp>
 #include <silt/search/grid_frame.hpp>
 #include <silt/search/pair_scan.hpp>
@@ -109,14 +110,14 @@ class Nbs {
   class Sweep;
 
   detail::GridFrame frame_;
-  double range_ = 0, margin_ = 0;  // [m] reach of a sphere beyond its radius; for rounding
-  std::vector<Cell> cell_;         // of each sphere
-  std::vector<Layer> layers_;      // that hold spheres
-  std::vector<std::uint32_t> layer_, size_;  // for each z: its first sphere, their number
+  double range_ = 0, margin_ = 0;         // [m] reach of a sphere beyond its radius; for rounding
+  DynArray<Cell> cell_;                   // of each sphere
+  DynArray<Layer> layers_;                // that hold spheres
+  DynArray<std::uint32_t> layer_, size_;  // for each z: its first sphere, their number
   // Next sphere of a list. A layer and its rows may be in use twice at a time: as those that are
   // tested (0) and as those before them (1).
-  std::vector<std::uint32_t> in_layer_;
-  std::array<std::vector<std::uint32_t>, 2> in_row_, in_cell_;
+  DynArray<std::uint32_t> in_layer_;
+  std::array<DynArray<std::uint32_t>, 2> in_row_, in_cell_;
   detail::FoundInParts found_;
 };
 
@@ -219,8 +220,8 @@ class Nbs::Sweep {
   double reach_;  // [m]
   const Domain& domain_;
   detail::PairBuffer& found_;
-  std::array<std::vector<std::uint32_t>, 2> row_;  // first spheres of the rows of both layers
-  std::array<std::vector<std::uint32_t>, rows_in_work> cells_;  // and of the cells of rows in use
+  std::array<DynArray<std::uint32_t>, 2> row_;  // first spheres of the rows of both layers
+  std::array<DynArray<std::uint32_t>, rows_in_work> cells_;  // and of the cells of rows in use
 };
 
 static_assert(NeighbourSearch<Nbs>);

@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/search/concept.hpp>
 #include <silt/search/grid_frame.hpp>
 #include <silt/search/key_sort.hpp>
@@ -56,7 +56,7 @@ class OccupiedRows {
     spheres_.take(rows, team);
   }
 
-  const std::vector<Level>& levels() const { return levels_; }
+  const DynArray<Level>& levels() const { return levels_; }
   double scale() const { return scale_; }  // [m] largest coordinate: the scale of rounding
   const SphereColumns& spheres() const { return spheres_; }
   std::size_t rows() const { return row_key_.size(); }
@@ -177,15 +177,15 @@ class OccupiedRows {
     return by < 64 ? value >> by : 0;
   }
 
-  std::vector<Level> levels_;
+  DynArray<Level> levels_;
   double scale_ = 0, length_x_ = 0;
   double places_ = 1, disorder_ = 0;  // along x that keys distinguish; width of each [m]
   KeyBits bits_{};
-  std::vector<std::uint64_t> keys_;
+  DynArray<std::uint64_t> keys_;
   KeySort<std::uint64_t> sort_;
   SphereColumns spheres_;
-  std::vector<std::uint64_t> row_key_;    // level, z, y
-  std::vector<std::uint32_t> row_start_;  // first sphere
+  DynArray<std::uint64_t> row_key_;    // level, z, y
+  DynArray<std::uint32_t> row_start_;  // first sphere
 };
 
 }  // namespace silt::detail

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <silt/core/compress.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/search/concept.hpp>
@@ -18,7 +19,8 @@ namespace silt::inline SILT_TARGET::detail {
 class PairBuffer {
  public:
   PairBuffer() = default;
-  PairBuffer(const PairBuffer&) : PairBuffer() {}  // a copy begins empty, with its own memory
+  PairBuffer(const PairBuffer&) noexcept
+      : PairBuffer() {}  // a copy begins empty, with its own memory
   PairBuffer& operator=(const PairBuffer& other) {
     if (this != &other) take({});
     return *this;
@@ -65,8 +67,8 @@ struct SphereColumns {
   static constexpr std::size_t padding = 8;  // the widest pack of lanes; columns are padded by as
                                              // many
 
-  std::vector<double> x, y, z, r;   // [m]
-  std::vector<std::uint32_t> name;  // position in the rows that were given
+  DynArray<double> x, y, z, r;   // [m]
+  DynArray<std::uint32_t> name;  // position in the rows that were given
 
   std::size_t size() const { return name.size() - padding; }
   void resize(std::size_t n) {
@@ -183,7 +185,7 @@ class FoundInParts {
       find(part, parts, found_[part]);
     });
     if (parts == 1) return found_[0].hand_over(pairs);
-    std::vector<std::size_t> begin(parts + 1, 0);
+    DynArray<std::size_t> begin(parts + 1, 0);
     for (std::size_t p = 0; p < parts; ++p) begin[p + 1] = begin[p] + found_[p].size();
     pairs.resize(begin[parts]);
     team.for_parts(parts, [&](std::size_t part) {
@@ -193,7 +195,7 @@ class FoundInParts {
   }
 
  private:
-  std::vector<PairBuffer> found_;
+  DynArray<PairBuffer> found_;
 };
 
 }  // namespace silt::detail

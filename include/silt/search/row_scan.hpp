@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/search/concept.hpp>
 #include <silt/search/level_plan.hpp>
 #include <silt/search/occupied_rows.hpp>
@@ -336,10 +336,10 @@ class RowScan {
   std::size_t cursor_ = 0;            // row of the next layer
   std::array<Range, 4> neighbour_{};  // rows beside, from where they are needed
   int neighbours_ = 0;
-  std::vector<Block> blocks_;
+  DynArray<Block> blocks_;
   Box row_box_;
-  std::vector<Strip> strips_;
-  std::vector<std::vector<std::size_t>> cursors_;  // in the rows of each level
+  DynArray<Strip> strips_;
+  DynArray<DynArray<std::size_t>> cursors_;  // in the rows of each level
 };
 
 }  // namespace silt::detail

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/search/concept.hpp>
 #include <silt/search/grid_frame.hpp>
 #include <silt/search/key_sort.hpp>
@@ -39,7 +40,7 @@ void space_order(const SphereSet& spheres, double reach, const Domain& domain, c
                    [&](const GridFrame& f) { return bits(f) + 2 * in_tile + sphere <= 64; });
   const int z_bits = bits_for(frame.count[2]);
   const int column_bits = std::max(0, bits_for(frame.count[0]) - in_tile);
-  std::vector<std::uint64_t> keys(n);
+  DynArray<std::uint64_t> keys(n);
   team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
     constexpr std::uint64_t low = (1u << in_tile) - 1;
     for (std::size_t k = from; k < to; ++k) {

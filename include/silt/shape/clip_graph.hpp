@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/shape/convex_hull.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -23,7 +23,7 @@ namespace detail {
 
 /// Neighbours of each vertex in order, and the face left of the edge to each.
 struct Fan {
-  std::vector<std::uint32_t> neighbour, face;
+  DynArray<std::uint32_t> neighbour, face;
 
   std::size_t slot_of(std::uint32_t other) const {
     std::size_t k = 0;
@@ -32,18 +32,18 @@ struct Fan {
   }
 };
 
-inline std::vector<Fan> vertex_fans(const ConvexFaces& body) {
+inline DynArray<Fan> vertex_fans(const ConvexFaces& body) {
   struct Step {
     std::uint32_t from, to, face;
   };
-  std::vector<std::vector<Step>> steps(body.vertices.size());  // through each vertex
+  DynArray<DynArray<Step>> steps(body.vertices.size());  // through each vertex
   for (std::uint32_t f = 0; f < body.faces.size(); ++f) {
     const auto& loop = body.faces[f];
     for (std::size_t k = 0; k < loop.size(); ++k)
       steps[loop[k]].push_back(
           {loop[(k + loop.size() - 1) % loop.size()], loop[(k + 1) % loop.size()], f});
   }
-  std::vector<Fan> fans(body.vertices.size());
+  DynArray<Fan> fans(body.vertices.size());
   for (std::size_t v = 0; v < fans.size(); ++v) {
     auto at = steps[v].front();
     for (std::size_t k = 0; k < steps[v].size(); ++k) {
@@ -61,9 +61,9 @@ inline std::vector<Fan> vertex_fans(const ConvexFaces& body) {
 }
 
 /// Slot k of a vertex with n edges is at link min(max(k, 1), n - 2) - 1 of its chain of n - 2.
-inline std::vector<ClipVertex> clip_graph(const ConvexFaces& body) {
+inline DynArray<ClipVertex> clip_graph(const ConvexFaces& body) {
   const auto fans = vertex_fans(body);
-  std::vector<std::size_t> first(fans.size() + 1, 0);
+  DynArray<std::size_t> first(fans.size() + 1, 0);
   for (std::size_t v = 0; v < fans.size(); ++v)
     first[v + 1] = first[v] + fans[v].neighbour.size() - 2;
   const auto link_of = [&](std::uint32_t v, std::size_t slot) {
@@ -71,7 +71,7 @@ inline std::vector<ClipVertex> clip_graph(const ConvexFaces& body) {
     return static_cast<std::uint16_t>(first[v] + std::min(std::max<std::size_t>(slot, 1), n - 2) -
                                       1);
   };
-  std::vector<ClipVertex> graph;
+  DynArray<ClipVertex> graph;
   for (std::uint32_t v = 0; v < fans.size(); ++v) {
     const auto& fan = fans[v];
     const std::size_t n = fan.neighbour.size();

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/shape/convex_hull.hpp>
 
 /// Checks that given corners and faces bound one convex body.
@@ -30,7 +30,7 @@ class FaceWays {
     std::sort(ways_.begin(), ways_.end(),
               [](const Way& a, const Way& b) { return a.key() < b.key(); });
   }
-  const std::vector<Way>& all() const { return ways_; }
+  const DynArray<Way>& all() const { return ways_; }
   /// Null if no face has this directed edge.
   const Way* find(std::uint32_t from, std::uint32_t to) const {
     const Way wanted{from, to, 0};
@@ -40,7 +40,7 @@ class FaceWays {
   }
 
  private:
-  std::vector<Way> ways_;  // sorted by their start
+  DynArray<Way> ways_;  // sorted by their start
 };
 
 inline void check_loops(const ConvexFaces& body) {
@@ -66,7 +66,7 @@ inline void check_loops(const ConvexFaces& body) {
 inline void check_closed(const ConvexFaces& body) {
   const std::size_t corners = body.vertices.size();
   const FaceWays ways(body);
-  std::vector<std::uint32_t> around(corners, 0), group(corners);
+  DynArray<std::uint32_t> around(corners, 0), group(corners);
   std::iota(group.begin(), group.end(), 0u);
   const auto group_of = [&](std::uint32_t v) {
     while (group[v] != v) v = group[v] = group[group[v]];

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/shape/dilated_moments.hpp>
 #include <silt/shape/narrow/sphere_polyhedron.hpp>
 #include <silt/shape/poly_super_ellipsoid.hpp>
@@ -37,7 +37,7 @@ struct Compound {
     bool operator==(const Part&) const = default;
   };
 
-  std::vector<Part> parts;
+  DynArray<Part> parts;
   std::optional<MassProperties> mass = {};
   int grid = 200;
 
@@ -84,8 +84,8 @@ struct Compound {
     return mass ? *mass : parts.size() == 1 ? of_one() : silt::mass_properties(moments_of_union());
   }
 
-  std::vector<SolidPart<Kinds>> solids(const MassProperties& of) const {
-    std::vector<SolidPart<Kinds>> all;
+  DynArray<SolidPart<Kinds>> solids(const MassProperties& of) const {
+    DynArray<SolidPart<Kinds>> all;
     const Quaternion back = conjugate(of.axes);
     for (const Part& p : parts) {
       // The part is rotated and shifted in its own principal frame.
@@ -140,7 +140,7 @@ struct Compound {
   Moments moments_of_union() const {
     const Quaternion tilt = rotation_about({0.26, 0.53, 0.81}, 0.7);
     // All about the middle of the parts, to avoid cancellation far from the frame's origin.
-    std::vector<Vec3d> places;
+    DynArray<Vec3d> places;
     Box around;
     for (const Part& p : parts) {
       places.push_back(p.centre + rotate(p.axes, middle_of(p.shape)));

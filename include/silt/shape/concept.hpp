@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <type_traits>
 #include <variant>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/target.hpp>
 #include <silt/shape/mass_properties.hpp>
 
@@ -69,12 +69,12 @@ struct SolidPart<KindList<Kind...>> {
 /// Body shape whose parts have their own narrow phases (shape/narrow/). Also required:
 ///   using Kinds = KindList<...>                  kinds of its parts
 ///   static constexpr bool one_part               always a single part, in the principal frame
-///   std::vector<SolidPart<Kinds>> solids(const MassProperties&) const
+///   DynArray<SolidPart<Kinds>> solids(const MassProperties&) const
 ///   SurfaceMesh surface_of(form)                 for display
-/// Other body shapes are sets of spheres: std::vector<Ball> parts() const, in any frame.
+/// Other body shapes are sets of spheres: DynArray<Ball> parts() const, in any frame.
 template <class S>
 concept SolidShape = BodyShape<S> && requires(const S& form, const MassProperties& mass) {
-  { form.solids(mass) } -> std::same_as<std::vector<SolidPart<typename S::Kinds>>>;
+  { form.solids(mass) } -> std::convertible_to<DynArray<SolidPart<typename S::Kinds>>>;
   { S::one_part } -> std::convertible_to<bool>;
 };
 

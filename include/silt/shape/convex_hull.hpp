@@ -7,10 +7,10 @@
 #include <limits>
 #include <unordered_map>
 #include <utility>
-#include <vector>
 
 #include <silt/boundary/mesh_topology.hpp>
 #include <silt/core/box.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -18,8 +18,8 @@ namespace silt::inline SILT_TARGET {
 /// Corners and faces of a convex body. Each face is flat, with its corners counter-clockwise seen
 /// from outside. Neighbouring faces are not coplanar, and no corner is inside an edge or a face.
 struct ConvexFaces {
-  std::vector<Vec3d> vertices;                    // [m]
-  std::vector<std::vector<std::uint32_t>> faces;  // numbers of vertices
+  DynArray<Vec3d> vertices;                 // [m]
+  DynArray<DynArray<std::uint32_t>> faces;  // numbers of vertices
 };
 
 namespace detail {
@@ -28,13 +28,13 @@ namespace detail {
 /// point stores the triangle above which it is highest, and a step tests only its new triangles.
 class GrowingHull {
  public:
-  GrowingHull(const std::vector<Vec3d>& points, double tolerance)
+  GrowingHull(const DynArray<Vec3d>& points, double tolerance)
       : points_(points), tolerance_(tolerance), highest_(points.size()), added_(points.size(), 0) {
     start();
     for (std::uint32_t p = next(); p != none; p = next()) add(p);
   }
-  std::vector<VertexTriple> triangles() const {
-    std::vector<VertexTriple> out;
+  DynArray<VertexTriple> triangles() const {
+    DynArray<VertexTriple> out;
     for (std::size_t t = 0; t < triangles_.size(); ++t)
       if (!dropped_[t]) out.push_back(triangles_[t]);
     return out;
@@ -118,8 +118,8 @@ class GrowingHull {
   /// loop.
   void add(std::uint32_t p) {
     added_[p] = 1;
-    std::vector<std::uint32_t> seen{highest_[p].triangle};
-    std::vector<char> is_seen(triangles_.size(), 0);
+    DynArray<std::uint32_t> seen{highest_[p].triangle};
+    DynArray<char> is_seen(triangles_.size(), 0);
     is_seen[seen[0]] = 1;
     const auto beyond = [&](std::uint32_t t, std::size_t k) {
       return across(triangles_[t][k], triangles_[t][(k + 1) % 3]);
@@ -130,7 +130,7 @@ class GrowingHull {
             !is_seen[t] && height(t, points_[p]) > 0.5 * tolerance_)
           is_seen[t] = 1, seen.push_back(t);
     std::sort(seen.begin(), seen.end());
-    std::vector<VertexTriple> fan;
+    DynArray<VertexTriple> fan;
     for (const auto t : seen)
       for (std::size_t k = 0; k < 3; ++k)
         if (!is_seen[beyond(t, k)])
@@ -153,21 +153,20 @@ class GrowingHull {
         "that nearly lie in one place or one plane");
   }
 
-  const std::vector<Vec3d>& points_;
-  double tolerance_;                     // [m] height that counts as in the plane
-  std::vector<VertexTriple> triangles_;  // including removed ones
-  std::vector<char> dropped_;
-  std::vector<Vec3d> normals_;
-  std::vector<Highest> highest_;                              // of each point
-  std::vector<char> added_;                                   // whether it is or was a corner
+  const DynArray<Vec3d>& points_;
+  double tolerance_;                  // [m] height that counts as in the plane
+  DynArray<VertexTriple> triangles_;  // including removed ones
+  DynArray<char> dropped_;
+  DynArray<Vec3d> normals_;
+  DynArray<Highest> highest_;                                 // of each point
+  DynArray<char> added_;                                      // whether it is or was a corner
   std::unordered_map<std::uint64_t, std::uint32_t> at_edge_;  // the triangle left of an edge
 };
 
 /// Merges coplanar triangles to faces, and removes corners where no edge bends.
 class FaceMerger {
  public:
-  FaceMerger(const std::vector<Vec3d>& points, std::vector<VertexTriple> triangles,
-             double tolerance)
+  FaceMerger(const DynArray<Vec3d>& points, DynArray<VertexTriple> triangles, double tolerance)
       : points_(points),
         triangles_(std::move(triangles)),
         tolerance_(tolerance),
@@ -179,15 +178,15 @@ class FaceMerger {
   }
 
   ConvexFaces faces() const {
-    std::vector<std::vector<std::uint32_t>> loops;
-    std::vector<int> uses(points_.size(), 0);
+    DynArray<DynArray<std::uint32_t>> loops;
+    DynArray<int> uses(points_.size(), 0);
     for (std::uint32_t g = 0; g < group_.size(); ++g)
       if (group_[g] == g) {
         loops.push_back(loop_of(g));
         for (const auto v : loops.back()) ++uses[v];
       }
     ConvexFaces out;
-    std::vector<std::uint32_t> number(points_.size());
+    DynArray<std::uint32_t> number(points_.size());
     for (std::uint32_t v = 0; v < points_.size(); ++v)
       if (uses[v] >= 3) {
         number[v] = static_cast<std::uint32_t>(out.vertices.size());
@@ -204,7 +203,7 @@ class FaceMerger {
  private:
   /// Largest triangles first: their planes are the most accurate; thin ones are merged into them.
   void join() {
-    std::vector<std::uint32_t> order(triangles_.size());
+    DynArray<std::uint32_t> order(triangles_.size());
     for (std::uint32_t t = 0; t < order.size(); ++t) order[t] = t;
     const auto twice_area = [&](std::uint32_t t) {
       const auto& [a, b, c] = triangles_[t];
@@ -212,12 +211,12 @@ class FaceMerger {
     };
     std::stable_sort(order.begin(), order.end(),
                      [&](auto s, auto t) { return twice_area(s) > twice_area(t); });
-    std::vector<char> placed(triangles_.size(), 0);
+    DynArray<char> placed(triangles_.size(), 0);
     const MeshTopology topology(points_, triangles_);
     for (const auto seed : order) {
       if (placed[seed]) continue;
       placed[seed] = 1;
-      std::vector<std::uint32_t> open{seed};
+      DynArray<std::uint32_t> open{seed};
       while (!open.empty()) {
         const auto t = open.back();
         open.pop_back();
@@ -236,18 +235,18 @@ class FaceMerger {
   }
 
   /// Rim of a group: its directed edges whose reverse is not in the group.
-  std::vector<std::uint32_t> loop_of(std::uint32_t g) const {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> sides;
+  DynArray<std::uint32_t> loop_of(std::uint32_t g) const {
+    DynArray<std::pair<std::uint32_t, std::uint32_t>> sides;
     for (const auto t : members_[g])
       for (std::size_t k = 0; k < 3; ++k)
         sides.emplace_back(triangles_[t][k], triangles_[t][(k + 1) % 3]);
     const auto inner = [&](const auto& side) {
       return std::count(sides.begin(), sides.end(), std::pair(side.second, side.first)) > 0;
     };
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> rim;
+    DynArray<std::pair<std::uint32_t, std::uint32_t>> rim;
     std::copy_if(sides.begin(), sides.end(), std::back_inserter(rim),
                  [&](const auto& side) { return !inner(side); });
-    std::vector<std::uint32_t> loop{rim[0].first};
+    DynArray<std::uint32_t> loop{rim[0].first};
     for (auto at = rim[0].second; at != rim[0].first && loop.size() <= rim.size();) {
       loop.push_back(at);
       at = std::find_if(rim.begin(), rim.end(), [&](const auto& s) {
@@ -260,11 +259,11 @@ class FaceMerger {
     return loop;
   }
 
-  const std::vector<Vec3d>& points_;
-  const std::vector<VertexTriple> triangles_;
+  const DynArray<Vec3d>& points_;
+  const DynArray<VertexTriple> triangles_;
   double tolerance_;
-  std::vector<std::uint32_t> group_;                 // of each triangle: the first of its group
-  std::vector<std::vector<std::uint32_t>> members_;  // of each group
+  DynArray<std::uint32_t> group_;              // of each triangle: the first of its group
+  DynArray<DynArray<std::uint32_t>> members_;  // of each group
 };
 
 }  // namespace detail
@@ -276,7 +275,7 @@ class FaceMerger {
 /// of the diagonal of a larger neighbour's plane are merged with it to one face.
 /// Errors: InputError for points that are not finite, fewer than four points, or coplanar points.
 /// Tests:  tests/shape/polyhedron.cpp (against all planes of three points; duplicates; grids)
-inline ConvexFaces convex_hull(const std::vector<Vec3d>& points) {
+inline ConvexFaces convex_hull(const DynArray<Vec3d>& points) {
   Box box;
   for (std::size_t k = 0; k < points.size(); ++k) {
     require(is_finite(points[k]), "convex_hull: point ", k, " (counted from 0) is ", points[k],

@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/gauss_rule.hpp>
 #include <silt/shape/polyhedron.hpp>
 
@@ -114,16 +115,16 @@ inline MassProperties Polyhedron::mass_properties() const { return silt::mass_pr
 
 /// Shape in the frame of its centroid and principal axes.
 struct PrincipalShape {
-  std::vector<Polyhedron> parts;  // convex; one if the body is
-  double volume;                  // [m3]
-  Vec3d inertia;                  // [m5] principal moments for density 1
-  double bounding_radius;         // [m] about the centroid
-  RigidPose frame;                // centroid and axes in the original frame
+  DynArray<Polyhedron> parts;  // convex; one if the body is
+  double volume;               // [m3]
+  Vec3d inertia;               // [m5] principal moments for density 1
+  double bounding_radius;      // [m] about the centroid
+  RigidPose frame;             // centroid and axes in the original frame
 };
 
 namespace detail {
 inline PrincipalShape principal_shape(const MassProperties& mass,
-                                      const std::vector<Polyhedron>& parts) {
+                                      const DynArray<Polyhedron>& parts) {
   PrincipalShape out{{}, mass.volume, mass.inertia, 0, {mass.centroid, mass.axes}};
   for (const auto& part : parts) {
     auto points = part.vertices();
@@ -139,8 +140,7 @@ inline PrincipalShape principal_shape(const Polyhedron& body) {
   return detail::principal_shape(mass_properties(body), {body});
 }
 
-inline std::vector<SolidPart<Polyhedron::Kinds>> Polyhedron::solids(
-    const MassProperties& mass) const {
+inline DynArray<SolidPart<Polyhedron::Kinds>> Polyhedron::solids(const MassProperties& mass) const {
   return {{detail::principal_shape(mass, {*this}).parts.front(), {0, 0, 0}, {}}};
 }
 
@@ -149,8 +149,8 @@ static_assert(SolidShape<Polyhedron>);
 /// Concave body: mass from its surface, contacts from its convex parts. The parts must fill it: the
 /// sum of their volumes may differ from that of the mesh by 1e-3 (contact forces of overlapping
 /// parts would add up).
-inline PrincipalShape principal_shape(const std::vector<std::array<Vec3d, 3>>& mesh,
-                                      const std::vector<Polyhedron>& parts) {
+inline PrincipalShape principal_shape(const DynArray<std::array<Vec3d, 3>>& mesh,
+                                      const DynArray<Polyhedron>& parts) {
   const TriangleMesh solid = solid_mesh(mesh);
   double sum = 0;
   for (const auto& part : parts) sum += part.volume();

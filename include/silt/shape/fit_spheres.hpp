@@ -7,9 +7,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <queue>
-#include <vector>
 
 #include <silt/boundary/triangle_mesh.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/shape/multi_sphere.hpp>
 #include <silt/shape/triangle_moments.hpp>
 
@@ -17,7 +17,7 @@ namespace silt::inline SILT_TARGET {
 
 /// Mass properties of the interior of a closed mesh, exact.
 inline MassProperties mass_properties(const TriangleMesh& mesh) {
-  std::vector<std::array<Vec3d, 3>> triangles;
+  DynArray<std::array<Vec3d, 3>> triangles;
   for (const auto& [a, b, c] : mesh.triangles())
     triangles.push_back({mesh.vertices()[a], mesh.vertices()[b], mesh.vertices()[c]});
   return mass_properties(triangles);
@@ -58,7 +58,7 @@ class SphereFitter {
     covered_.assign(depth_.size(), false);
   }
 
-  std::vector<Ball> choose(std::size_t wanted) {
+  DynArray<Ball> choose(std::size_t wanted) {
     struct Candidate {
       std::size_t gain, cell;
       bool operator<(const Candidate& b) const {
@@ -68,7 +68,7 @@ class SphereFitter {
     std::priority_queue<Candidate> queue;
     for (std::size_t k = 0; k < depth_.size(); ++k)
       if (depth_[k] > 0) queue.push({gain(k), k});
-    std::vector<Ball> balls;
+    DynArray<Ball> balls;
     while (balls.size() < wanted && !queue.empty()) {
       const std::size_t cell = queue.top().cell;
       queue.pop();
@@ -93,7 +93,7 @@ class SphereFitter {
   }
   double distance(const Vec3d& p) const {
     double reach = 2 * step_;
-    for (std::vector<std::uint32_t> near;; reach *= 2) {
+    for (DynArray<std::uint32_t> near;; reach *= 2) {
       near.clear();
       mesh_.triangles_near(p, reach, near);
       double least = reach;
@@ -132,8 +132,8 @@ class SphereFitter {
   double step_;
   std::int64_t count_[3];
   Vec3d first_;
-  std::vector<double> depth_;  // [m] distance of inside points from the surface
-  std::vector<bool> covered_;
+  DynArray<double> depth_;  // [m] distance of inside points from the surface
+  DynArray<bool> covered_;
 };
 
 /// Distances [m] of points of the mesh (three per triangle, more for large ones) from the surface

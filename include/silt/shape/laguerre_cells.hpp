@@ -2,7 +2,9 @@
 #pragma once
 
 #include <numeric>
+#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/random.hpp>
 #include <silt/shape/power_cells.hpp>
 #include <silt/shape/volume_weights.hpp>
@@ -66,23 +68,23 @@ class PointsInside {
   }
 
  private:
-  std::vector<std::array<Vec3d, 3>> triangles_;
-  std::vector<double> up_to_;  // six times the cumulative volume of the tetrahedra from the middle
+  DynArray<std::array<Vec3d, 3>> triangles_;
+  DynArray<double> up_to_;  // six times the cumulative volume of the tetrahedra from the middle
   Vec3d middle_{0, 0, 0};
 };
 
 /// Sites for `volume`s [m3], weighted by the squares of radii of balls that do not overlap. The
 /// part of a site's ball inside the body is in its cell, hence no cell is empty.
 inline PowerSites draw_sites(const Polyhedron& body, const PointsInside& inside,
-                             const std::vector<double>& volume, Random& random) {
+                             const DynArray<double>& volume, Random& random) {
   constexpr double filled = 0.3;  // share of the body filled by balls
   constexpr int tries = 20;
-  std::vector<std::size_t> order(volume.size());
+  DynArray<std::size_t> order(volume.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](auto i, auto j) { return volume[i] > volume[j]; });
-  PowerSites sites{std::vector<Vec3d>(volume.size()), std::vector<double>(volume.size())};
-  std::vector<double> radius(volume.size());
+  PowerSites sites{DynArray<Vec3d>(volume.size()), DynArray<double>(volume.size())};
+  DynArray<double> radius(volume.size());
   double shrink = 1;
   for (std::size_t n = 0; n < order.size(); ++n) {
     const std::size_t i = order[n];
@@ -109,7 +111,7 @@ inline PowerSites draw_sites(const Polyhedron& body, const PointsInside& inside,
 /// Cells of one draw of sites. None if their volumes are not found, a cell is flat to rounding, or
 /// a cell is not clean (CellForms) as required.
 inline std::optional<std::vector<Polyhedron>> draw_cells(
-    const Polyhedron& body, const PointsInside& inside, const std::vector<double>& volume,
+    const Polyhedron& body, const PointsInside& inside, const DynArray<double>& volume,
     Random& random, const LaguerreOptions& options, bool must_be_clean) {
   constexpr double rough = 0.03;  // [-] sufficient error of volumes for moving sites
   VolumeWeights fit(body, volume);
@@ -133,8 +135,7 @@ inline std::optional<std::vector<Polyhedron>> draw_cells(
   return out;
 }
 
-inline std::vector<double> volumes_of_shares(const Polyhedron& body,
-                                             std::span<const double> shares) {
+inline DynArray<double> volumes_of_shares(const Polyhedron& body, std::span<const double> shares) {
   constexpr double least = 1e-9;
   require(body.radius() == 0, "laguerre_cells: the body is dilated by ", body.radius(),
           " [m]; only sharp polyhedra are filled by convex cells without overlap: give a "
@@ -150,7 +151,7 @@ inline std::vector<double> volumes_of_shares(const Polyhedron& body,
   }
   require(std::abs(sum - 1) <= 1e-9, "laguerre_cells: the ", shares.size(), " shares are ", sum,
           " [-] in sum; they must be 1 (to 1e-9): divide them by their sum");
-  std::vector<double> volume(shares.begin(), shares.end());
+  DynArray<double> volume(shares.begin(), shares.end());
   for (double& v : volume) v *= body.core_volume() / sum;
   return volume;
 }

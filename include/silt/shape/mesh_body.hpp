@@ -2,10 +2,10 @@
 #pragma once
 
 #include <array>
-#include <vector>
 
 #include <silt/boundary/triangle_mesh.hpp>
 #include <silt/boundary/wall_drive.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/shape/triangle_moments.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -20,7 +20,7 @@ inline FreeBody free_body(const TriangleMesh& mesh, double density) {
   require(mesh.is_closed(),
           "free_body: the mesh is not closed and encloses no volume; close "
           "it, or give mass, inertia and centre of a FreeBody");
-  std::vector<std::array<Vec3d, 3>> soup;
+  DynArray<std::array<Vec3d, 3>> soup;
   const bool outwards = mesh.volume() > 0;
   for (const auto& [i, j, k] : mesh.triangles()) {
     const Vec3d &a = mesh.vertices()[i], &b = mesh.vertices()[j], &c = mesh.vertices()[k];

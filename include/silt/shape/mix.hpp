@@ -4,8 +4,8 @@
 #include <type_traits>
 #include <utility>
 #include <variant>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/shape/dilated_moments.hpp>
 #include <silt/shape/multi_sphere.hpp>
 #include <silt/shape/poly_super_ellipsoid.hpp>
@@ -26,8 +26,8 @@ template <>
 struct SolidsOf<MultiSphere> {
   using Kinds = KindList<Ball>;
   static constexpr bool one_part = false;
-  static std::vector<SolidPart<Kinds>> solids(const MultiSphere& form, const MassProperties& mass) {
-    std::vector<SolidPart<Kinds>> all;
+  static DynArray<SolidPart<Kinds>> solids(const MultiSphere& form, const MassProperties& mass) {
+    DynArray<SolidPart<Kinds>> all;
     for (const Ball& b : form.balls)
       all.push_back(
           {Ball{{0, 0, 0}, b.radius}, rotate(conjugate(mass.axes), b.centre - mass.centroid), {}});
@@ -38,7 +38,7 @@ template <>
 struct SolidsOf<Sphere> {
   using Kinds = KindList<Ball>;
   static constexpr bool one_part = true;
-  static std::vector<SolidPart<Kinds>> solids(const Sphere&, const MassProperties&) {
+  static DynArray<SolidPart<Kinds>> solids(const Sphere&, const MassProperties&) {
     return {{Ball{{0, 0, 0}, 1}, {}, {}}};
   }
 };
@@ -114,10 +114,10 @@ struct Mix {
         },
         shape);
   }
-  std::vector<SolidPart<Kinds>> solids(const MassProperties& mass) const {
+  DynArray<SolidPart<Kinds>> solids(const MassProperties& mass) const {
     return std::visit(
         [&](const auto& form) {
-          std::vector<SolidPart<Kinds>> all;
+          DynArray<SolidPart<Kinds>> all;
           for (auto& part :
                detail::SolidsOf<std::remove_cvref_t<decltype(form)>>::solids(form, mass))
             all.push_back({std::visit(

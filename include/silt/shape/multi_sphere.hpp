@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/files/atomic_file.hpp>
 #include <silt/shape/union_of_balls.hpp>
 
@@ -36,7 +36,7 @@ namespace silt::inline SILT_TARGET {
 struct MultiSphere {
   static constexpr bool is_body = true;
 
-  std::vector<Ball> balls;
+  DynArray<Ball> balls;
   /// Mass and inertia from another source, such as the mesh that the spheres represent, in the
   /// frame of the balls; left out: those of the union.
   std::optional<MassProperties> mass = {};
@@ -71,11 +71,11 @@ struct MultiSphere {
   MassProperties mass_properties() const {
     return mass ? *mass : silt::mass_properties(moments_of_union(balls));
   }
-  std::vector<Ball> parts() const { return balls; }
+  DynArray<Ball> parts() const { return balls; }
   /// Description of the form for comparison (checkpoints): visit(name, number).
   template <class Visit>
   void describe(const Visit& visit) const {
-    std::vector<Vec3d> centres, radii;
+    DynArray<Vec3d> centres, radii;
     for (const Ball& b : balls) centres.push_back(b.centre), radii.push_back({b.radius, 0, 0});
     visit("balls", static_cast<double>(balls.size()));
     visit("centres", std::span<const Vec3d>(centres));

@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/shape/super_ellipsoid.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -73,7 +74,7 @@ struct PolySuperEllipsoid {
              moment(1, 0, 1)}};
   }
   MassProperties mass_properties() const { return silt::mass_properties(moments()); }
-  std::vector<SolidPart<Kinds>> solids(const MassProperties& mass) const {
+  DynArray<SolidPart<Kinds>> solids(const MassProperties& mass) const {
     return {{*this, rotate(conjugate(mass.axes), -mass.centroid), conjugate(mass.axes)}};
   }
   double equal_volume_radius() const {

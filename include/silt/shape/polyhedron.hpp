@@ -5,6 +5,7 @@
 #include <numbers>
 #include <span>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/shape/clip_graph.hpp>
 #include <silt/shape/closed_faces.hpp>
@@ -47,23 +48,22 @@ class Polyhedron {
   };
   /// x, y, z and a fourth number of vertices or planes, each in its own array.
   struct Columns {
-    std::vector<double> x, y, z, w;
+    DynArray<double> x, y, z, w;
     std::size_t padded = 0;
   };
   /// The graph with separate coordinates, padded by copies of the first vertex.
   struct GraphColumns {
-    std::vector<double> x, y, z;
-    std::vector<std::array<std::uint16_t, 4>> neighbour, face;  // the fourth: unused
+    DynArray<double> x, y, z;
+    DynArray<std::array<std::uint16_t, 4>> neighbour, face;  // the fourth: unused
     std::size_t size = 0;
   };
 
   /// Convex hull of points, dilated by `radius` [m].
-  static Polyhedron from_points(const std::vector<Vec3d>& points, double radius = 0) {
+  static Polyhedron from_points(const DynArray<Vec3d>& points, double radius = 0) {
     return Polyhedron(convex_hull(points), radius);
   }
   /// Closed mesh, convex to 1e-6 of its diagonal (corners rounded to float).
-  static Polyhedron from_mesh(const std::vector<std::array<Vec3d, 3>>& triangles,
-                              double radius = 0) {
+  static Polyhedron from_mesh(const DynArray<std::array<Vec3d, 3>>& triangles, double radius = 0) {
     const TriangleMesh mesh = solid_mesh(triangles);
     const double dent = largest_dent(mesh), diagonal = norm(mesh.bounds().extent());
     require(dent <= 1e-6 * diagonal, "Polyhedron: the mesh is not convex: a vertex is ", dent,
@@ -106,11 +106,11 @@ class Polyhedron {
   }
   MassProperties mass_properties() const;
   /// Its part, in the principal frame.
-  std::vector<SolidPart<Kinds>> solids(const MassProperties& mass) const;
+  DynArray<SolidPart<Kinds>> solids(const MassProperties& mass) const;
 
-  const std::vector<Vec3d>& vertices() const { return vertices_; }
-  const std::vector<Face>& faces() const { return faces_; }
-  const std::vector<Edge>& edges() const { return edges_; }
+  const DynArray<Vec3d>& vertices() const { return vertices_; }
+  const DynArray<Face>& faces() const { return faces_; }
+  const DynArray<Edge>& edges() const { return edges_; }
   std::span<const std::uint32_t> loop(const Face& face) const {
     return {loops_.data() + face.first, face.corners};
   }
@@ -118,7 +118,7 @@ class Polyhedron {
     return {neighbours_.data() + first_neighbour_[v],
             first_neighbour_[v + 1] - first_neighbour_[v]};
   }
-  const std::vector<ClipVertex>& graph() const { return graph_; }
+  const DynArray<ClipVertex>& graph() const { return graph_; }
   const GraphColumns& graph_columns() const { return graph_columns_; }
   /// Planes (w: offset) and corners (w: 0); the last ones are repeated as padding.
   const Columns& plane_columns() const { return plane_columns_; }
@@ -141,8 +141,8 @@ class Polyhedron {
     return core_area_ + radius_ * (edge_turning_ + 4 * std::numbers::pi * radius_);
   }
 
-  std::vector<std::array<Vec3d, 3>> triangles() const {
-    std::vector<std::array<Vec3d, 3>> out;
+  DynArray<std::array<Vec3d, 3>> triangles() const {
+    DynArray<std::array<Vec3d, 3>> out;
     for (const auto& face : faces_) {
       const auto corner = loop(face);
       for (std::size_t k = 2; k < corner.size(); ++k)
@@ -193,13 +193,13 @@ class Polyhedron {
     return at;
   }
 
-  std::vector<Vec3d> vertices_;
-  std::vector<Face> faces_;
-  std::vector<Edge> edges_;
-  std::vector<std::uint32_t> loops_;
-  std::vector<double> least_turn_;
-  std::vector<std::uint32_t> first_neighbour_, neighbours_;  // of each corner, in order
-  std::vector<ClipVertex> graph_;
+  DynArray<Vec3d> vertices_;
+  DynArray<Face> faces_;
+  DynArray<Edge> edges_;
+  DynArray<std::uint32_t> loops_;
+  DynArray<double> least_turn_;
+  DynArray<std::uint32_t> first_neighbour_, neighbours_;  // of each corner, in order
+  DynArray<ClipVertex> graph_;
   GraphColumns graph_columns_;
   Columns plane_columns_, vertex_columns_;
   double radius_ = 0, bounding_radius_ = 0, core_volume_ = 0, core_area_ = 0, edge_turning_ = 0;
@@ -238,8 +238,8 @@ inline void Polyhedron::add_faces(const ConvexFaces& body) {
 
 inline void Polyhedron::add_edges() {
   constexpr auto none = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::vector<std::uint32_t>> neighbours(vertices_.size());
-  std::vector<std::vector<std::uint32_t>> edges_from(vertices_.size());
+  DynArray<DynArray<std::uint32_t>> neighbours(vertices_.size());
+  DynArray<DynArray<std::uint32_t>> edges_from(vertices_.size());
   for (std::uint32_t f = 0; f < faces_.size(); ++f) {
     const auto corner = loop(faces_[f]);
     for (std::size_t k = 0; k < corner.size(); ++k) {
@@ -322,7 +322,7 @@ inline double highest_along(const Polyhedron::Columns& c, const Vec3d& n) {
 
 inline Polyhedron Polyhedron::scaled(double scale) const {
   Polyhedron p = *this;
-  const auto stretch = [scale](std::vector<double>& values) {
+  const auto stretch = [scale](DynArray<double>& values) {
     for (double& v : values) v *= scale;
   };
   for (auto& v : p.vertices_) v *= scale;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <unordered_map>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/shape/narrow/clip.hpp>
 
 /// Power diagram of weighted sites inside a convex body.
@@ -21,8 +22,8 @@
 namespace silt::inline SILT_TARGET::detail {
 
 struct PowerSites {
-  std::vector<Vec3d> at;       // [m]
-  std::vector<double> weight;  // [m2]
+  DynArray<Vec3d> at;       // [m]
+  DynArray<double> weight;  // [m2]
 };
 
 class PowerCells {
@@ -34,7 +35,7 @@ class PowerCells {
   struct Cell {
     double volume = 0;  // [m3]; 0: empty
     Vec3d centroid{0, 0, 0};
-    std::vector<Neighbour> neighbours;
+    DynArray<Neighbour> neighbours;
   };
 
   /// The body must not move in memory.
@@ -52,7 +53,7 @@ class PowerCells {
     return true;
   }
   /// Results of the last measure().
-  const std::vector<Cell>& cells() const { return cells_; }
+  const DynArray<Cell>& cells() const { return cells_; }
 
   /// Cell i, in the thread's memory until the next one is cut; nullptr if it is empty. Its faces
   /// have the numbers of the body's, or first_cut_face + j towards cell j.
@@ -130,10 +131,10 @@ class PowerCells {
   }
 
   const Polyhedron& body_;
-  std::vector<Cell> cells_;
+  DynArray<Cell> cells_;
   std::uint64_t now_ = 0;
-  std::vector<std::uint64_t> met_;  // when a cell's plane was last tried
-  std::vector<FaceSum> faces_;      // by their numbers
+  DynArray<std::uint64_t> met_;  // when a cell's plane was last tried
+  DynArray<FaceSum> faces_;      // by their numbers
 };
 
 /// Makes polyhedra of cells, one after the other. A shared corner has the same numbers, bit for
@@ -150,7 +151,7 @@ class CellForms {
   /// the hull has lost a corner or a face.
   /// Errors: InputError for a cell that is flat to rounding.
   std::optional<Polyhedron> form(const ClippedBody::Graph& g, std::size_t i, bool must_be_clean) {
-    std::vector<Vec3d> points;
+    DynArray<Vec3d> points;
     Box box;
     for (std::size_t v = 0; v < g.size; ++v) {
       points.push_back(shared_.try_emplace(name(g, v, i), g.at(v)).first->second);

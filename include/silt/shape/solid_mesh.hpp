@@ -2,6 +2,7 @@
 #pragma once
 
 #include <silt/boundary/triangle_mesh.hpp>
+#include <silt/core/dyn_array.hpp>
 
 /// Checks that a triangle mesh is the surface of one solid, and that this solid is convex.
 /// Tests: tests/shape/polyhedron.cpp (each refusal)
@@ -27,17 +28,17 @@ inline bool pierces(const Vec3d& p, const Vec3d& q, const std::array<Vec3d, 3>& 
 }
 
 inline void check_manifold(const MeshTopology& topology, std::size_t triangles,
-                           const std::vector<Vec3d>& vertices) {
+                           const DynArray<Vec3d>& vertices) {
   for (std::uint32_t e = 0; e < topology.edges.size(); ++e)
     require(topology.triangles_at_edge[e].size() == 2,
             "Polyhedron: the mesh touches itself: ", topology.triangles_at_edge[e].size(),
             " triangles share the edge from ", vertices[topology.edges[e].from], " to ",
             vertices[topology.edges[e].to], " [m]; a solid has two at each edge");
-  std::vector<char> seen(triangles, 0);
+  DynArray<char> seen(triangles, 0);
   for (std::uint32_t v = 0; v + 1 < topology.triangles_at_vertex.begin.size(); ++v) {
     const auto around = topology.triangles_at_vertex[v];
     if (around.empty()) continue;
-    std::vector<std::uint32_t> fan{around[0]};
+    DynArray<std::uint32_t> fan{around[0]};
     seen[around[0]] = 1;
     for (std::size_t k = 0; k < fan.size(); ++k)
       for (const auto e : topology.edges_of[fan[k]]) {
@@ -56,7 +57,7 @@ inline void check_apart(const TriangleMesh& mesh, const MeshTopology& topology, 
     const auto& [i, j, k] = mesh.triangles()[t];
     return std::array{mesh.vertices()[i], mesh.vertices()[j], mesh.vertices()[k]};
   };
-  std::vector<std::uint32_t> near;
+  DynArray<std::uint32_t> near;
   for (const auto& edge : topology.edges) {
     const Vec3d &p = mesh.vertices()[edge.from], &q = mesh.vertices()[edge.to];
     mesh.triangles_near(0.5 * (p + q), 0.5 * edge.length + slack, near);
@@ -72,7 +73,7 @@ inline void check_apart(const TriangleMesh& mesh, const MeshTopology& topology, 
 
 /// InputError, with one sentence, unless the triangles bound one solid: closed, oriented outwards,
 /// two triangles at each edge, one fan at each vertex, no edge through a triangle.
-inline TriangleMesh solid_mesh(const std::vector<std::array<Vec3d, 3>>& triangles) {
+inline TriangleMesh solid_mesh(const DynArray<std::array<Vec3d, 3>>& triangles) {
   TriangleMesh mesh(triangles);
   require(mesh.is_closed(),
           "Polyhedron: the mesh is open or its triangles are not oriented the same "

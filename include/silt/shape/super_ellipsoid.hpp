@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/shape/concept.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -156,7 +157,7 @@ struct SuperEllipsoid {
 
   MassProperties mass_properties() const { return {volume(), {0, 0, 0}, inertia(), {}}; }
 
-  std::vector<SolidPart<Kinds>> solids(const MassProperties&) const { return {{*this, {}, {}}}; }
+  DynArray<SolidPart<Kinds>> solids(const MassProperties&) const { return {{*this, {}, {}}}; }
 
   double bounding_radius() const {  // [m], (3)
     return std::sqrt(dual_norm(dual_norm(a * a, b * b, s2), c * c, s1));

@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/shape/compound.hpp>
 #include <silt/shape/mix.hpp>
 
@@ -14,8 +14,8 @@ namespace silt::inline SILT_TARGET {
 
 /// Triangles to display a shape, outward side in front, in its own frame.
 struct SurfaceMesh {
-  std::vector<Vec3d> points;  // [m]
-  std::vector<std::array<std::uint32_t, 3>> triangles;
+  DynArray<Vec3d> points;  // [m]
+  DynArray<std::array<std::uint32_t, 3>> triangles;
 };
 
 namespace detail {
@@ -28,7 +28,7 @@ SurfaceMesh moved_cube(int cells, const Place& place) {
   SurfaceMesh mesh;
   const int n = cells + 1;
   // Points of the cube, in steps of the grid, that already exist: they are shared by faces.
-  std::vector<std::uint32_t> made(static_cast<std::size_t>(n) * n * n, ~0u);
+  DynArray<std::uint32_t> made(static_cast<std::size_t>(n) * n * n, ~0u);
   const auto point = [&](const std::array<int, 3>& at) {
     auto& index = made[(static_cast<std::size_t>(at[0]) * n + at[1]) * n + at[2]];
     if (index == ~0u) {

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <array>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/shape/mass_properties.hpp>
 
 /// Mass properties of any solid bounded by closed triangles, convex or not.
@@ -19,7 +19,7 @@
 namespace silt::inline SILT_TARGET {
 
 /// Moments (1) and (2) about `origin`.
-inline Moments moments_of(const std::vector<std::array<Vec3d, 3>>& triangles, const Vec3d& origin) {
+inline Moments moments_of(const DynArray<std::array<Vec3d, 3>>& triangles, const Vec3d& origin) {
   Moments m;
   for (const auto& triangle : triangles) {
     const Vec3d a = triangle[0] - origin, b = triangle[1] - origin, c = triangle[2] - origin;
@@ -39,7 +39,7 @@ inline MassProperties mass_properties_about(const Vec3d& origin, const Moments& 
   return out;
 }
 
-inline MassProperties mass_properties(const std::vector<std::array<Vec3d, 3>>& triangles) {
+inline MassProperties mass_properties(const DynArray<std::array<Vec3d, 3>>& triangles) {
   require(!triangles.empty(), "mass_properties: no triangles given");
   Vec3d origin{0, 0, 0};  // in the middle of the corners, against cancellation far from zero
   for (const auto& [a, b, c] : triangles) origin += a + b + c;

@@ -8,8 +8,8 @@
 #include <numeric>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/gauss_rule.hpp>
 #include <silt/shape/concept.hpp>
 
@@ -76,7 +76,7 @@ inline void add_arc(const SliceDisc& d, double from, double to, AreaMoments& m) 
 /// Calls visit(i, j) for every two balls that overlap.
 template <class Visit>
 void for_overlapping(std::span<const Ball> balls, const Visit& visit) {
-  std::vector<std::size_t> order(balls.size());
+  DynArray<std::size_t> order(balls.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto low = [&](std::size_t k) { return balls[k].centre.x - balls[k].radius; };
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -105,7 +105,7 @@ class BallCluster {
   }
   Moments moments() {
     static const GaussRule<12> rule;
-    const std::vector<double> panels = panel_ends();
+    const DynArray<double> panels = panel_ends();
     Moments m;
     for (std::size_t k = 0; k + 1 < panels.size(); ++k) {
       const double middle = 0.5 * (panels[k] + panels[k + 1]),
@@ -172,8 +172,8 @@ class BallCluster {
 
   /// The x between which slices change smoothly; for many balls fewer, equidistant ones, which
   /// bounds the work.
-  std::vector<double> panel_ends() const {
-    std::vector<double> at, circles;
+  DynArray<double> panel_ends() const {
+    DynArray<double> at, circles;
     double arcs = 0.02 * static_cast<double>(balls_.size());  // per slice, as an estimate
     for (std::size_t i = 0; i < balls_.size(); ++i) {
       const Ball& b = balls_[i];
@@ -188,14 +188,14 @@ class BallCluster {
     const double most = std::max(1e6 / arcs, 30.0);
     if (static_cast<double>(at.size()) <= most + 1) return at;
     const auto panels = static_cast<std::size_t>(most);
-    std::vector<double> even;
+    DynArray<double> even;
     for (std::size_t k = 0; k <= panels; ++k)
       even.push_back(at.front() + (at.back() - at.front()) * static_cast<double>(k) /
                                       static_cast<double>(panels));
     return even;
   }
   /// The ends of the circle in which two balls intersect.
-  static void add_circle(const Ball& a, const Ball& b, std::vector<double>& at) {
+  static void add_circle(const Ball& a, const Ball& b, DynArray<double>& at) {
     const Vec3d between = b.centre - a.centre;
     const double d2 = dot(between, between);
     if (d2 == 0) return;
@@ -209,14 +209,14 @@ class BallCluster {
 
   std::span<const Ball> balls_;
   double work_;
-  std::vector<std::vector<std::size_t>> neighbours_;
-  std::vector<SliceDisc> discs_;
-  std::vector<std::pair<double, double>> covered_;
+  DynArray<DynArray<std::size_t>> neighbours_;
+  DynArray<SliceDisc> discs_;
+  DynArray<std::pair<double, double>> covered_;
 };
 
 /// Cluster number of each ball: balls that overlap, directly or through others, are in one cluster.
-inline std::vector<std::size_t> clusters_of(std::span<const Ball> balls) {
-  std::vector<std::size_t> cluster(balls.size());
+inline DynArray<std::size_t> clusters_of(std::span<const Ball> balls) {
+  DynArray<std::size_t> cluster(balls.size());
   std::iota(cluster.begin(), cluster.end(), std::size_t{0});
   const auto root = [&](std::size_t k) {
     while (cluster[k] != k) k = cluster[k] = cluster[cluster[k]];
@@ -250,7 +250,7 @@ inline Moments moments_of_union(std::span<const Ball> balls, double work = 2e5) 
   const Vec3d middle = low + 0.5 * (high - low);
   all.origin = middle;
   const auto cluster = detail::clusters_of(balls);
-  std::vector<std::vector<Ball>> clusters(balls.size());
+  DynArray<DynArray<Ball>> clusters(balls.size());
   for (std::size_t k = 0; k < balls.size(); ++k) clusters[cluster[k]].push_back(balls[k]);
   for (auto& some : clusters) {
     if (some.empty()) continue;

@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/shape/power_cells.hpp>
 
 /// Weights of a power diagram that give its cells prescribed volumes.
@@ -20,9 +21,9 @@ namespace silt::inline SILT_TARGET::detail {
 
 /// Solves A x = b for a symmetric positive definite matrix of dense rows; the lower half is read
 /// and overwritten. A pivot lost to rounding keeps its unknown at 0.
-inline void solve_definite(std::vector<double>& a, std::vector<double>& b) {
+inline void solve_definite(DynArray<double>& a, DynArray<double>& b) {
   const std::size_t n = b.size();
-  std::vector<double> column(n);
+  DynArray<double> column(n);
   for (std::size_t k = 0; k < n; ++k) {
     const double pivot = a[k * n + k];
     const double inverse = pivot > 0 ? 1 / pivot : 0;
@@ -41,7 +42,7 @@ inline void solve_definite(std::vector<double>& a, std::vector<double>& b) {
 
 class VolumeWeights {
  public:
-  VolumeWeights(const Polyhedron& body, const std::vector<double>& wanted)
+  VolumeWeights(const Polyhedron& body, const DynArray<double>& wanted)
       : wanted_(wanted), all_(body.core_volume()), cells_(body, wanted.size()) {
     held_ =
         static_cast<std::size_t>(std::max_element(wanted.begin(), wanted.end()) - wanted.begin());
@@ -108,10 +109,10 @@ class VolumeWeights {
     return false;
   }
 
-  std::vector<double> newton(const PowerSites& sites) const {
+  DynArray<double> newton(const PowerSites& sites) const {
     const std::size_t n = wanted_.size() - 1;
     const auto row = [&](std::size_t i) { return i < held_ ? i : i - 1; };
-    std::vector<double> matrix(n * n, 0), rest(n);
+    DynArray<double> matrix(n * n, 0), rest(n);
     for (std::size_t i = 0; i <= n; ++i) {
       const auto& cell = cells_.cells()[i];
       if (i != held_) rest[row(i)] = wanted_[i] - cell.volume;
@@ -128,10 +129,10 @@ class VolumeWeights {
     return rest;
   }
 
-  const std::vector<double> wanted_;  // [m3]
-  double all_;                        // [m3] the body's volume
-  double least_ = 0;                  // [m3] lower bound of all cells
-  std::size_t held_;                  // the cell with the fixed weight
+  const DynArray<double> wanted_;  // [m3]
+  double all_;                     // [m3] the body's volume
+  double least_ = 0;               // [m3] lower bound of all cells
+  std::size_t held_;               // the cell with the fixed weight
   PowerCells cells_;
 };
 

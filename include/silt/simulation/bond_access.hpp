@@ -12,8 +12,8 @@
 #include <type_traits>
 #include <unordered_map>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/names.hpp>
 #include <silt/core/random.hpp>
@@ -32,7 +32,7 @@ class BondAccess {
   template <class S = Sim>
   void bond(ParticleId a, ParticleId b) requires(S::has_bonds) {
     if constexpr (S::has_ranks) {
-      bond_all(std::vector<std::pair<ParticleId, ParticleId>>{{a, b}});
+      bond_all(DynArray<std::pair<ParticleId, ParticleId>>{{a, b}});
     } else {
       auto& e = sim().engine_;
       require(a != b, "Simulation::bond: particle ", a, " cannot be bonded to itself");
@@ -45,14 +45,13 @@ class BondAccess {
   }
   /// The same for several pairs.
   template <class S = Sim>
-  void bond_all(const std::vector<std::pair<ParticleId, ParticleId>>& pairs) requires(
-      S::has_bonds) {
+  void bond_all(const DynArray<std::pair<ParticleId, ParticleId>>& pairs) requires(S::has_bonds) {
     if constexpr (!S::has_ranks) {
       for (const auto& [a, b] : pairs) bond(a, b);
     } else {
       if (pairs.empty()) return;
       auto& e = sim().engine_;
-      std::vector<std::pair<ParticleId, ParticleId>> sorted;
+      DynArray<std::pair<ParticleId, ParticleId>> sorted;
       for (const auto& [a, b] : pairs) sorted.push_back(std::minmax(a, b));
       const std::unordered_map<ParticleId, BondEnd> ends = ends_of_ranks(sorted);
       const auto end_of = [&](ParticleId id) {
@@ -61,7 +60,7 @@ class BondAccess {
         return found->second;
       };
       e.ranks.together("bonds that are made", [&] {
-        std::vector<std::pair<ParticleId, ParticleId>> seen = sorted;
+        DynArray<std::pair<ParticleId, ParticleId>> seen = sorted;
         std::sort(seen.begin(), seen.end());
         const auto twice = std::adjacent_find(seen.begin(), seen.end());
         if (twice != seen.end())
@@ -92,7 +91,7 @@ class BondAccess {
     auto& e = sim().engine_;
     const BondEnd p = [&] {
       if constexpr (S::has_ranks) {
-        const auto ends = ends_of_ranks(std::vector<std::pair<ParticleId, ParticleId>>{{id, id}});
+        const auto ends = ends_of_ranks(DynArray<std::pair<ParticleId, ParticleId>>{{id, id}});
         require(!ends.empty(), "Simulation::bond: there is no particle ", id);
         return ends.begin()->second;
       } else {
@@ -299,14 +298,14 @@ class BondAccess {
   }
   /// The particles of these pairs, on whatever rank they are (collective).
   std::unordered_map<ParticleId, BondEnd> ends_of_ranks(
-      const std::vector<std::pair<ParticleId, ParticleId>>& pairs) const {
+      const DynArray<std::pair<ParticleId, ParticleId>>& pairs) const {
     struct Known {
       ParticleId id;
       BondEnd end;
     };
     const auto& e = sim().engine_;
     std::unordered_map<ParticleId, BondEnd> all;
-    std::vector<Known> own;
+    DynArray<Known> own;
     for (const auto& pair : pairs)
       for (const ParticleId id : {pair.first, pair.second})
         if (const std::size_t k = e.find(id);

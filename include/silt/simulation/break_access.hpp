@@ -6,11 +6,11 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include <silt/breakage/breakage.hpp>
 #include <silt/breakage/fragment_sizes.hpp>
 #include <silt/breakage/smallest_cell.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/quaternion.hpp>
 #include <silt/engine/population/openings.hpp>
@@ -290,8 +290,8 @@ class BreakAccess {
   };
   /// What all ranks know as particles break: their ids, sorted, and the forms in use.
   struct OfRanks {
-    std::vector<ParticleId> gone;
-    std::vector<bool> forms;
+    DynArray<ParticleId> gone;
+    DynArray<bool> forms;
   };
   BreakingParticle breaking_at(const DueBreak& due, std::size_t k) const {
     const auto& e = sim().engine_;
@@ -313,7 +313,7 @@ class BreakAccess {
   /// and energy. `own`: the policy's fields of the particle.
   template <class Owner, class Fields, class Particles>
   void break_one(const DueBreak& due, const Owner& p, double volume, const Fields& own,
-                 std::size_t k, std::vector<Parent>& parents, Particles& all);
+                 std::size_t k, DynArray<Parent>& parents, Particles& all);
   template <class Owner, class Particles>
   void add_spheres(const Owner& p, const FragmentSizes& sizes, double density, Random& random,
                    Particles& all) const;
@@ -331,18 +331,18 @@ class BreakAccess {
   /// [J] of all own particles now: kinetic energy, potential energy in gravity and energy in bonds.
   double energy_of_all() const;
   /// The rows of the particles at these places, sorted.
-  std::vector<std::uint32_t> rows_of(const std::vector<std::size_t>& places) const;
+  DynArray<std::uint32_t> rows_of(const DynArray<std::size_t>& places) const;
   /// The rows of these particles on this rank, ghosts included, sorted.
-  std::vector<std::uint32_t> rows_of_ranks(std::span<const ParticleId> ids) const;
+  DynArray<std::uint32_t> rows_of_ranks(std::span<const ParticleId> ids) const;
   /// Books the energy of the contacts of these rows, which end without a step of the ledger.
-  void book_contacts(const std::vector<std::uint32_t>& rows, std::span<const ParticleId> gone);
+  void book_contacts(const DynArray<std::uint32_t>& rows, std::span<const ParticleId> gone);
   /// The same for contacts with particles of other ranks. If both break, the rank with the lower id
   /// books it.
   template <class Book>
   void book_contacts_with_ghosts(std::span<const ParticleId> gone, const Book& book);
   /// Removes the parents and adds their fragments. `all`: with several ranks.
   template <class Particles>
-  void take_place(const std::vector<Parent>& parents, const Particles& fragments,
+  void take_place(const DynArray<Parent>& parents, const Particles& fragments,
                   const OfRanks& all = {});
 
   Sim& sim() { return static_cast<Sim&>(*this); }

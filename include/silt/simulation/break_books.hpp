@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/checks/ended_contacts.hpp>
 #include <silt/engine/checks/ended_solid_contacts.hpp>
 #include <silt/simulation/break_access.hpp>
@@ -38,8 +38,8 @@ double BreakAccess<Sim>::energy_of_all() const {
 }
 
 template <class Sim>
-std::vector<std::uint32_t> BreakAccess<Sim>::rows_of(const std::vector<std::size_t>& places) const {
-  std::vector<std::uint32_t> rows;
+DynArray<std::uint32_t> BreakAccess<Sim>::rows_of(const DynArray<std::size_t>& places) const {
+  DynArray<std::uint32_t> rows;
   [[maybe_unused]] const auto& mover = sim().engine_.mover;
   for (const std::size_t k : places)
     if constexpr (Sim::of_bodies)
@@ -51,9 +51,9 @@ std::vector<std::uint32_t> BreakAccess<Sim>::rows_of(const std::vector<std::size
 }
 
 template <class Sim>
-std::vector<std::uint32_t> BreakAccess<Sim>::rows_of_ranks(std::span<const ParticleId> ids) const {
+DynArray<std::uint32_t> BreakAccess<Sim>::rows_of_ranks(std::span<const ParticleId> ids) const {
   const auto& e = sim().engine_;
-  std::vector<std::uint32_t> rows;
+  DynArray<std::uint32_t> rows;
   for (const ParticleId id : ids)
     if (const std::size_t row = e.row_of(id); row < e.particles.size())
       rows.push_back(static_cast<std::uint32_t>(row));
@@ -62,7 +62,7 @@ std::vector<std::uint32_t> BreakAccess<Sim>::rows_of_ranks(std::span<const Parti
 }
 
 template <class Sim>
-void BreakAccess<Sim>::book_contacts(const std::vector<std::uint32_t>& rows,
+void BreakAccess<Sim>::book_contacts(const DynArray<std::uint32_t>& rows,
                                      [[maybe_unused]] std::span<const ParticleId> gone) {
   auto& s = sim();
   auto& e = s.engine_;

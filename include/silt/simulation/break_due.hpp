@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/population/arrivals.hpp>
 #include <silt/simulation/break_access.hpp>
 
@@ -23,7 +23,7 @@ bool BreakAccess<Sim>::break_due() {
   if (follows) stage.sizes.safeguards = s.engine_.safeguards;
   if constexpr (Sim::has_ranks) return break_due_of_ranks() || looks;
   if (stage.due.empty()) return looks;
-  std::vector<Parent> parents;
+  DynArray<Parent> parents;
   typename Sim::ParticlesType fragments;
   for (const DueBreak& one : std::exchange(stage.due, {})) {
     const std::size_t k = s.engine_.find(one.id);
@@ -53,7 +53,7 @@ bool BreakAccess<Sim>::break_due_of_ranks() {
   if (!std::exchange(stage.some_due, false) && !std::exchange(s.engine_.breaks_due, false))
     return false;
   s.engine_.breaks_due = false;
-  std::vector<BreakingParticle> own;
+  DynArray<BreakingParticle> own;
   for (const DueBreak& one : std::exchange(stage.due, {}))
     if (const std::size_t k = s.engine_.find(one.id); k < s.rows())
       own.push_back(breaking_at(one, k));
@@ -71,7 +71,7 @@ bool BreakAccess<Sim>::break_due_of_ranks() {
   if constexpr (Sim::of_bodies) known.forms = used_forms(s.engine_.mover, ranks.comm());
   bool some_less = false;
   ranks.together("particles that break", [&] {
-    std::vector<Parent> parents;
+    DynArray<Parent> parents;
     typename Sim::ParticlesType fragments;
     for (const BreakingParticle& one : all) {
       const std::size_t k = s.engine_.find(one.due.id);
@@ -104,7 +104,7 @@ bool BreakAccess<Sim>::any_less(const Particles& fragments) const {
 template <class Sim>
 template <class Owner, class Fields, class Particles>
 void BreakAccess<Sim>::break_one(const DueBreak& due, const Owner& p, double volume,
-                                 const Fields& own, std::size_t k, std::vector<Parent>& parents,
+                                 const Fields& own, std::size_t k, DynArray<Parent>& parents,
                                  Particles& all) {
   auto& s = sim();
   auto& stage = s.breaks_;
@@ -157,15 +157,15 @@ void BreakAccess<Sim>::break_one(const DueBreak& due, const Owner& p, double vol
 
 template <class Sim>
 template <class Particles>
-void BreakAccess<Sim>::take_place(const std::vector<Parent>& parents, const Particles& fragments,
+void BreakAccess<Sim>::take_place(const DynArray<Parent>& parents, const Particles& fragments,
                                   const OfRanks& all) {
   auto& s = sim();
   auto& e = s.engine_;
   const std::size_t from = s.rows();
   const ParticleId first = s.next_.particle;
-  std::vector<double> rests_until;
-  std::vector<std::size_t> places;
-  std::vector<char> own;  // which fragments are this rank's
+  DynArray<double> rests_until;
+  DynArray<std::size_t> places;
+  DynArray<char> own;  // which fragments are this rank's
   for (const Parent& p : parents) {
     rests_until.insert(rests_until.end(), p.fragments, p.rests_until);
     if constexpr (Sim::has_ranks) own.insert(own.end(), p.fragments, p.place != nowhere);
@@ -177,7 +177,7 @@ void BreakAccess<Sim>::take_place(const std::vector<Parent>& parents, const Part
     s.bonds_.end_of(e, s.domain_, Sim::has_ranks ? rows_of_ranks(all.gone) : rows,
                     s.first_kick_ ? 0 : s.dt_);
   s.breaks_.newborn_from = Sim::of_bodies ? s.next_.part : first;
-  std::vector<std::size_t> forms;
+  DynArray<std::size_t> forms;
   if constexpr (Sim::of_bodies)
     forms =
         take_in_cells(e.mover, fragments.forms(), Sim::has_ranks ? all.forms : used_forms(e.mover));

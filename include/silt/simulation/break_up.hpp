@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <silt/breakage/placement.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/simulation/break_access.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -17,7 +18,7 @@ template <class Sim>
 template <class Owner, class Particles>
 void BreakAccess<Sim>::add_spheres(const Owner& p, const FragmentSizes& sizes, double density,
                                    Random& random, Particles& all) const {
-  std::vector<double> radii;
+  DynArray<double> radii;
   double whole = 0;
   for (const double m : sizes.masses)
     radii.push_back(0.5 * equal_volume_diameter(m / density)), whole += m;
@@ -43,7 +44,7 @@ void BreakAccess<Sim>::add_cells(const Owner& p, FragmentSizes& sizes, double de
   if (sizes.masses.empty()) return;
   const auto& form = sim().engine_.mover.forms[p.form()];
   const auto body = form.shape.scaled(p.scale());
-  std::vector<double> shares;
+  DynArray<double> shares;
   for (const double m : sizes.masses) shares.push_back(m / p.mass());
   if (sizes.dust > 1e-8 * p.mass())
     shares.push_back(sizes.dust / p.mass());

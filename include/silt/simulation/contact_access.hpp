@@ -10,9 +10,9 @@
 #include <span>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include <silt/boundary/wall.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/engine/checks/guard_overlap.hpp>
 #include <silt/engine/contact/contact_events.hpp>
@@ -122,7 +122,7 @@ class ContactReader {
   /// Sorts by a, b, then by what distinguishes several contacts of the same two: buckets of
   /// consecutive ids, each sorted. Contacts of particles that have left since are dropped.
   void put_in_order() {
-    const std::vector<Place> found = those_present();
+    const DynArray<Place> found = those_present();
     if (found.empty()) return;
     const auto [low, high] = std::minmax_element(
         found.begin(), found.end(), [](const Place& p, const Place& q) { return p.a < q.a; });
@@ -131,16 +131,16 @@ class ContactReader {
     while ((high->a - from) >> shift >= found.size()) ++shift;
     const std::size_t buckets = ((high->a - from) >> shift) + 1;
     // begin[k + 1] is the next free place of bucket k, and its end when all are filled.
-    std::vector<std::uint32_t> begin(buckets + 2, 0);
+    DynArray<std::uint32_t> begin(buckets + 2, 0);
     for (const Place& p : found) ++begin[((p.a - from) >> shift) + 2];
     std::partial_sum(begin.begin(), begin.end(), begin.begin());
     order_.resize(found.size());
     for (const Place& p : found) order_[begin[((p.a - from) >> shift) + 1]++] = p;
     for (std::size_t k = 0; k < buckets; ++k) sort(begin[k], begin[k + 1]);
   }
-  std::vector<Place> those_present() const {
+  DynArray<Place> those_present() const {
     const auto& all = e_.record.contacts;
-    std::vector<Place> found;
+    DynArray<Place> found;
     found.reserve(all.size());
     for (std::uint32_t k = 0; k < all.size(); ++k) {
       const RecordedForce& c = all[k];
@@ -290,8 +290,8 @@ class ContactReader {
 
   const Engine& e_;
   const Domain& domain_;
-  std::vector<Place> order_;
-  std::vector<Listed> listed_;
+  DynArray<Place> order_;
+  DynArray<Listed> listed_;
 };
 
 /// Read access to the contacts of a Simulation; member functions of Simulation.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <silt/boundary/deforming_box.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/engine/lists/box_images.hpp>
 #include <silt/search/nbs.hpp>
@@ -70,10 +71,10 @@ class ContactCheck {
   }
 
   Oracle oracle_;
-  std::vector<PositionRow> rows_;
-  std::vector<std::uint32_t> places_;  // of rows_, among all particles
+  DynArray<PositionRow> rows_;
+  DynArray<std::uint32_t> places_;  // of rows_, among all particles
   std::vector<IndexPair> touching_;
-  std::vector<std::uint64_t> listed_;
+  DynArray<std::uint64_t> listed_;
   std::size_t contacts_ = 0;
 };
 

@@ -5,9 +5,9 @@
 #include <array>
 #include <bit>
 #include <span>
-#include <vector>
 
 #include <silt/boundary/wall.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/ledger.hpp>
 #include <silt/engine/contact/contact_energy.hpp>
 
@@ -149,11 +149,11 @@ class EnergyBook {
   }
 
   // The balance as numbers, for a checkpoint.
-  std::vector<double> state() const {
-    std::vector<double> all{of_walls_,         openings_,        changed_gravity_, initial_,
-                            last_fixed_power_, of_fluid_,        since_asked_,     last_power_,
-                            damped_,           friction_,        of_modules_,      bond_damping_,
-                            bond_breaking_,    last_bond_power_, breaking_};
+  DynArray<double> state() const {
+    DynArray<double> all{of_walls_,         openings_,        changed_gravity_, initial_,
+                         last_fixed_power_, of_fluid_,        since_asked_,     last_power_,
+                         damped_,           friction_,        of_modules_,      bond_damping_,
+                         bond_breaking_,    last_bond_power_, breaking_};
     for (const auto* e : {&stored_, &at_start_, &work_}) {
       const auto values = ContactEnergy<double>::values(*e);
       all.insert(all.end(), values.begin(), values.end());
@@ -163,7 +163,7 @@ class EnergyBook {
     all.push_back(going_round_);
     return all;
   }
-  void restore(const std::vector<double>& all) {
+  void restore(const DynArray<double>& all) {
     of_walls_ = all[0], openings_ = all[1], changed_gravity_ = all[2], initial_ = all[3];
     last_fixed_power_ = all[4], of_fluid_ = all[5], since_asked_ = all[6], last_power_ = all[7];
     damped_ = all[8], friction_ = all[9], of_modules_ = all[10];
@@ -247,7 +247,7 @@ class EnergyBook {
   }
 
   ContactEnergy<double> stored_ = no_energy<double>(), at_start_ = stored_, work_ = stored_;
-  std::vector<Load> last_;  // per wall
+  DynArray<Load> last_;  // per wall
   double of_walls_ = 0, openings_ = 0, changed_gravity_ = 0, initial_ = 0, last_fixed_power_ = 0;
   double going_round_ = 0;
   double of_fluid_ = 0, of_modules_ = 0;

@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/names.hpp>
 #include <silt/engine/population/openings.hpp>
 
@@ -66,7 +66,7 @@ class NameAccess {
                        const typename S::ContactsType::Material& b, double limit) {
     const auto& contacts = sim().contacts_;
     const auto equal = [&contacts](const auto& solid) {
-      std::vector<std::size_t> all;
+      DynArray<std::size_t> all;
       for (std::size_t k = 0; k < contacts.materials(); ++k)
         if (contacts.material(k) == solid) all.push_back(k);
       require(!all.empty(), "Simulation::set_max_overlap: a material", leading_value(solid),
@@ -109,7 +109,7 @@ class NameAccess {
  private:
   /// The time step is checked against its limit at the next run.
   void contacts_changed() { sim().scene_changed_ = true, sim().checked_speed_ = 0; }
-  std::vector<bool> of_particles_to_come() const;
+  DynArray<bool> of_particles_to_come() const;
   /// "; material 1 'steel' is that of wall 0 'drum' and wall 2"; empty if no wall has it.
   [[gnu::cold]] std::string of_walls(std::size_t material) const;
   Sim& sim() { return static_cast<Sim&>(*this); }
@@ -126,7 +126,7 @@ void NameAccess<Sim>::check_pairs() const {
   const auto& contacts = sim().contacts_;
   const std::size_t n = contacts.materials();
   const std::size_t of_particles = Sim::ContactsType::several_materials ? n : 1;
-  std::vector<bool> moves;  // per material: whether particles have it, or will
+  DynArray<bool> moves;  // per material: whether particles have it, or will
   for (std::size_t a = 0; a < of_particles; ++a)
     for (std::size_t b = 0; b < n; ++b) {
       if (contacts.has_pair(a, b)) continue;
@@ -137,8 +137,8 @@ void NameAccess<Sim>::check_pairs() const {
 }
 
 template <class Sim>
-std::vector<bool> NameAccess<Sim>::of_particles_to_come() const {
-  std::vector<bool> has(sim().contacts_.materials(), false);
+DynArray<bool> NameAccess<Sim>::of_particles_to_come() const {
+  DynArray<bool> has(sim().contacts_.materials(), false);
   if constexpr (!Sim::ContactsType::several_materials) has[0] = true;
   for (std::size_t k = 0; k < sim().rows(); ++k)
     if (sim().is_present(k)) has[sim().material(k)] = true;

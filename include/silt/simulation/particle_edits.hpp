@@ -8,9 +8,9 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include <silt/boundary/deforming_box.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/names.hpp>
 #include <silt/core/vec3.hpp>
@@ -192,7 +192,7 @@ class ParticleEdits {
     if (resized_at_ != sim().step_) resized_.clear();
     resized_at_ = sim().step_, resized_.push_back({id, function});
   }
-  std::vector<std::pair<ParticleId, const char*>> resized_;  // in step resized_at_
+  DynArray<std::pair<ParticleId, const char*>> resized_;  // in step resized_at_
   std::int64_t resized_at_ = -2;
   /// [J] kinetic and potential energy as in the ledger; 0 without it.
   double energy_of([[maybe_unused]] std::size_t k) {
@@ -267,7 +267,7 @@ class ParticleEdits {
     });
   }
   /// Collective: all ids given by the ranks, sorted.
-  std::vector<ParticleId> all_of(const std::vector<ParticleId>& own) {
+  DynArray<ParticleId> all_of(const DynArray<ParticleId>& own) {
     auto all = gather(sim().engine_.ranks.comm(), std::span<const ParticleId>(own)).values;
     std::sort(all.begin(), all.end());
     return all;
@@ -318,7 +318,7 @@ class ParticleEdits {
       const std::size_t k = e.find(id);  // it may have been removed since
       return k < e.owners() ? e.mover.rows_of(e.mover.bodies[k]) : std::span<const std::uint32_t>();
     };
-    std::vector<Reshaped> own;
+    DynArray<Reshaped> own;
     for (const ParticleId id : edits.reshaped) own.push_back({id, rows_of(id).size()});
     auto all = gather(e.ranks.comm(), std::span<const Reshaped>(own)).values;
     const auto is_lower = [](const Reshaped& a, const Reshaped& b) { return a.id < b.id; };

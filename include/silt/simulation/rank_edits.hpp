@@ -2,8 +2,8 @@
 #pragma once
 
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/position_row.hpp>
 #include <silt/engine/contact/contact_energy.hpp>
 
@@ -18,9 +18,9 @@ struct RankEdits {
     ContactEnergy<double> work;  // [J]
     double normal;               // [J]
   };
-  std::vector<ParticleId> found, removed, reshaped;
-  std::vector<std::pair<ParticleId, const char*>> missed;  // no such id; function called
-  std::vector<Ended> ended;
+  DynArray<ParticleId> found, removed, reshaped;
+  DynArray<std::pair<ParticleId, const char*>> missed;  // no such id; function called
+  DynArray<Ended> ended;
   // Ids of new parts until all ranks have agreed on others; those of a simulation begin at 0.
   ParticleId next_part = ParticleId{1} << 62;
   bool rows = false;  // ghost data of rows that are sent at searches have changed, or sizes

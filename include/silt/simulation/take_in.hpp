@@ -1,8 +1,11 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <vector>
+
 // Parts of Simulation: adding walls and particles.
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/simulation.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -55,8 +58,8 @@ std::vector<std::size_t> Simulation<Policies...>::add(const ParticlesType& more)
 }
 
 template <class... Policies>
-double Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
-                                       const std::vector<std::size_t>& kinds, const InletFlow& flow,
+double Simulation<Policies...>::insert(const DynArray<PlacedSphere>& spheres,
+                                       const DynArray<std::size_t>& kinds, const InletFlow& flow,
                                        Random& random) {
   if (spheres.empty()) return 0;
   using Particle = typename ParticlesType::Particle;

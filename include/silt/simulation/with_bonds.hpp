@@ -1,6 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <vector>
+
 // Parts of Simulation: bonds that break.
 
 #include <silt/simulation.hpp>

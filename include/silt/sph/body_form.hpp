@@ -8,10 +8,10 @@
 #include <numbers>
 #include <type_traits>
 #include <variant>
-#include <vector>
 
 #include <silt/boundary/mesh_inside.hpp>
 #include <silt/boundary/triangle_mesh.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/quaternion.hpp>
 #include <silt/shape/surface_mesh.hpp>
@@ -26,7 +26,7 @@ struct BodySite {
 
 /// Particles of a body, each with the same `share` [-] of a particle's volume.
 struct BodySites {
-  std::vector<BodySite> sites;
+  DynArray<BodySite> sites;
   double share = 1;
 };
 
@@ -120,7 +120,7 @@ class LiquidForm {
         return surface_of(solid, 24);
       }
     }();
-    std::vector<std::array<Vec3d, 3>> soup;
+    DynArray<std::array<Vec3d, 3>> soup;
     for (const auto& t : mesh.triangles)
       soup.push_back({mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]});
     for (const Vec3d& p : mesh.points) {
@@ -160,9 +160,9 @@ class LiquidForm {
     const TriangleMesh& surface = p.part->surface;
     const Vec3d own = rotate(conjugate(p.part->axes), x - p.part->centre);
     const double depth = -p.distance, slack = 1e-6 * depth;
-    std::vector<std::uint32_t> near;
+    DynArray<std::uint32_t> near;
     surface.triangles_near(own, depth + slack, near);
-    std::vector<Vec3d> normals;  // of the faces, each once
+    DynArray<Vec3d> normals;  // of the faces, each once
     const double sign = surface.volume() > 0 ? 1 : -1;
     for (const std::uint32_t t : near) {
       const Vec3d n = sign * surface.normals()[t];
@@ -191,7 +191,7 @@ class LiquidForm {
   }
   static Vec3d absolute(const Vec3d& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
 
-  std::vector<Part> parts_;
+  DynArray<Part> parts_;
   Box box_;
   double volume_ = 0, reach_ = 0;  // [m3], [m]
 };

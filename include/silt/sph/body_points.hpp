@@ -10,8 +10,8 @@
 #include <optional>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/quaternion.hpp>
 #include <silt/core/vec3.hpp>
@@ -37,13 +37,13 @@ class BodyPoints {
     bool is(const Body& b) const { return radius == b.radius && form == b.form; }
   };
   static constexpr std::uint32_t sphere = ~std::uint32_t{0};
-  std::vector<Body> bodies;
+  DynArray<Body> bodies;
 
   std::size_t size() const { return points_.size(); }
   bool empty() const { return points_.empty(); }
   std::size_t body_of(std::size_t k) const { return points_[k].body; }
   /// First point of each body, and the end of the last.
-  const std::vector<std::size_t>& begin() const { return begin_; }
+  const DynArray<std::size_t>& begin() const { return begin_; }
   /// [-] share of a particle's volume and mass.
   double share(std::size_t k) const { return points_[k].share; }
   /// [m] from the centre, in the body's frame.
@@ -111,7 +111,7 @@ class BodyPoints {
       forms_[form].reset();
     else
       forms_[form].emplace(shape);
-    std::erase_if(laid_, [form](const auto& laid) { return laid.first.first == form; });
+    erase_if(laid_, [form](const auto& laid) { return laid.first.first == form; });
   }
   /// Sets the present bodies, in this order; true if they are others than before.
   bool set(const CoupledParticles& of, std::span<const std::size_t> which, const SphSetup& setup) {
@@ -139,15 +139,15 @@ class BodyPoints {
   }
 
   /// For a state: eight numbers per point, two per body; set() gives the rest.
-  std::vector<double> points() const {
-    std::vector<double> all;
+  DynArray<double> points() const {
+    DynArray<double> all;
     for (const Point& p : points_)
       all.insert(all.end(), {p.at.x, p.at.y, p.at.z, p.ghost.x, p.ghost.y, p.ghost.z, p.share,
                              static_cast<double>(p.body)});
     return all;
   }
-  std::vector<double> kinds() const {
-    std::vector<double> all;
+  DynArray<double> kinds() const {
+    DynArray<double> all;
     for (const Body& b : bodies) all.insert(all.end(), {b.radius, static_cast<double>(b.form)});
     return all;
   }
@@ -227,10 +227,10 @@ class BodyPoints {
     }
   }
 
-  std::vector<std::optional<LiquidForm>> forms_;                // of bodies; none: a sphere
+  DynArray<std::optional<LiquidForm>> forms_;                   // of bodies; none: a sphere
   std::map<std::pair<std::uint32_t, double>, BodySites> laid_;  // by form and radius
-  std::vector<Point> points_;                                   // body by body
-  std::vector<std::size_t> begin_{0};
+  DynArray<Point> points_;                                      // body by body
+  DynArray<std::size_t> begin_{0};
   std::uint64_t version_ = 1;
 };
 

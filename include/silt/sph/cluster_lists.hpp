@@ -8,10 +8,10 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include <silt/core/box.hpp>
 #include <silt/core/compress.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/core/storage.hpp>
@@ -78,8 +78,8 @@ class ClusterLists {
 
   /// Order of the particles, by kind and pack; `none` for empty lanes.
   template <class KindOf>
-  const std::vector<std::uint32_t>& sort(std::span<const SphRow> rows, const KindOf& kind,
-                                         const Team& team) {
+  const DynArray<std::uint32_t>& sort(std::span<const SphRow> rows, const KindOf& kind,
+                                      const Team& team) {
     lay_columns(rows, kind);
     order_.clear();
     for (Group& g : groups_) {
@@ -182,16 +182,16 @@ class ClusterLists {
   };
   struct Group {
     std::size_t first_row = 0;
-    std::vector<std::size_t> begin;    // of each column in `sorted`
-    std::vector<Key> sorted;           // along z
-    std::vector<std::uint32_t> start;  // first row of each column, in the new order
-    std::vector<std::uint32_t> count;
-    std::vector<double> slack;  // [m] largest of each column
+    DynArray<std::size_t> begin;    // of each column in `sorted`
+    DynArray<Key> sorted;           // along z
+    DynArray<std::uint32_t> start;  // first row of each column, in the new order
+    DynArray<std::uint32_t> count;
+    DynArray<double> slack;  // [m] largest of each column
     double most_slack = 0;
   };
   struct List {
-    std::vector<Entry> entries;
-    std::vector<std::size_t> begin;  // two per pack: liquid, walls
+    DynArray<Entry> entries;
+    DynArray<std::size_t> begin;  // two per pack: liquid, walls
   };
 
   /// The particles of a pack, and how far each sees [m].
@@ -268,7 +268,7 @@ class ClusterLists {
       for (std::size_t c = 0; c < columns; ++c) g.begin[c + 1] += g.begin[c];
       g.sorted.resize(g.begin[columns]);
     }
-    std::array<std::vector<std::size_t>, kinds> next;
+    std::array<DynArray<std::size_t>, kinds> next;
     for (int g = 0; g < kinds; ++g) next[at(g)] = groups_[at(g)].begin;
     for (std::size_t k = 0; k < rows.size(); ++k)
       if (const int g = kind(k); g != Gone)
@@ -296,7 +296,7 @@ class ClusterLists {
 
   /// Adds the particles of a group that are near a pack.
   void find_of(const Group& g, std::span<const SphRow> rows, std::size_t pack, double reach,
-               std::vector<Entry>& out) const {
+               DynArray<Entry>& out) const {
     Box box;
     double slack = 0;
     for (std::size_t l = 0; l < width; ++l)
@@ -324,7 +324,7 @@ class ClusterLists {
   }
   /// `own` [m]: reach of the pack, to which the slack of each other particle is added.
   void find_in(const Group& g, const Box& box, const Members& members, double own,
-               std::uint32_t image, std::vector<Entry>& out) const {
+               std::uint32_t image, DynArray<Entry>& out) const {
     const double reach = own + g.most_slack;
     const auto range = [&](int d, double low, double high) {
       const int n = columns_[at(d)];
@@ -373,7 +373,7 @@ class ClusterLists {
   }
   /// Takes those of what is near the box that are near a particle in it.
   void take(const std::uint32_t* from, const std::uint32_t* to, const Members& members,
-            std::uint32_t image, std::vector<Entry>& out) const {
+            std::uint32_t image, DynArray<Entry>& out) const {
     for (; from != to; ++from)
       if (members.see(x_[*from], y_[*from], z_[*from], slack_[*from]))
         out.push_back({*from | image});
@@ -386,12 +386,12 @@ class ClusterLists {
   std::uint64_t version_ = 0;
   std::array<Group, kinds> groups_;
   Box extent_{{0, 0, 0}, {0, 0, 0}};
-  std::vector<std::size_t> column_;
+  DynArray<std::size_t> column_;
   std::array<double, 2> low_{}, size_{};
   std::array<int, 2> columns_{};
-  std::vector<std::uint32_t> order_;
-  std::vector<List> lists_;
-  std::vector<std::uint8_t> sees_liquid_;  // by pack
+  DynArray<std::uint32_t> order_;
+  DynArray<List> lists_;
+  DynArray<std::uint8_t> sees_liquid_;       // by pack
   AlignedVector<double> x_, y_, z_, slack_;  // of rows
 };
 

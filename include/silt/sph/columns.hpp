@@ -3,8 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/core/vec3.hpp>
@@ -17,10 +17,10 @@ namespace silt::inline SILT_TARGET::detail {
 /// Particles of an Sph, in the order of its packs: liquid, walls, probes.
 struct SphColumns {
   AlignedVector<SphRow> rows;
-  AlignedVector<SphRow> start;       // at the start of the step, or one step ago
-  std::vector<char> kind;            // ClusterLists::Kind
-  std::vector<std::uint32_t> label;  // number of the liquid's or the wall's particle; none: empty
-                                     // lane
+  AlignedVector<SphRow> start;    // at the start of the step, or one step ago
+  DynArray<char> kind;            // ClusterLists::Kind
+  DynArray<std::uint32_t> label;  // number of the liquid's or the wall's particle; none: empty
+                                  // lane
   /// Labels from here on belong to openings: particles of a buffer (kind Liquid), or their probes.
   static constexpr std::uint32_t of_openings = 1u << 31;
   AlignedVector<double> volume;  // [m3]
@@ -50,7 +50,7 @@ struct SphColumns {
     kind[k] = static_cast<char>(ClusterLists::Gone), label[k] = ClusterLists::none;
   }
   /// Applies an order of ClusterLists.
-  void arrange(const std::vector<std::uint32_t>& order, const Team& team) {
+  void arrange(const DynArray<std::uint32_t>& order, const Team& team) {
     for (auto* const of : {&rows, &start}) permute(*of, spare_.rows, order, SphRow::nobody(), team);
     permute(kind, spare_.kind, order, static_cast<char>(ClusterLists::Gone), team);
     permute(label, spare_.label, order, ClusterLists::none, team);
@@ -71,7 +71,7 @@ struct SphColumns {
 
  private:
   template <class Column, class Value>
-  static void permute(Column& column, Column& next, const std::vector<std::uint32_t>& order,
+  static void permute(Column& column, Column& next, const DynArray<std::uint32_t>& order,
                       const Value& nobody, const Team& team) {
     next.resize(order.size());
     team.for_ranges(order.size(), [&](std::size_t, std::size_t from, std::size_t to) {
@@ -84,8 +84,8 @@ struct SphColumns {
   // Memory for permute(): fresh pages at each search would cost more than the copies.
   struct Spare {
     AlignedVector<SphRow> rows;
-    std::vector<char> kind;
-    std::vector<std::uint32_t> label;
+    DynArray<char> kind;
+    DynArray<std::uint32_t> label;
     AlignedVector<double> numbers;
   } spare_;
 };

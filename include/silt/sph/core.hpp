@@ -11,8 +11,8 @@
 #include <span>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/sph/cluster_lists.hpp>
@@ -81,11 +81,11 @@ struct SphCore {
   SphOpenings openings{};
   DryGaps<Kernel> gaps{};
   // Loads on walls of a Simulation: constant until the next advance(), and of the last step.
-  std::vector<LiquidOnWall> on_walls{}, in_step{};
+  DynArray<LiquidOnWall> on_walls{}, in_step{};
   Lists lists{};
   SphColumns columns{};
   NearLiquid near{};
-  std::vector<double> slack{};  // [m] of each row, for the lists
+  DynArray<double> slack{};  // [m] of each row, for the lists
   struct Extremes {
     double pair = 0, acceleration = 0, speed = 0;  // [m/s], [m/s2], [m/s]
   } most{};
@@ -100,8 +100,8 @@ struct SphCore {
   bool known = false;  // rates are those of the present state
   bool made = false;   // solids are in the columns
   [[no_unique_address]] Book book{};
-  std::vector<std::size_t> resolved{};  // particles that are bodies in the liquid
-  std::vector<ParticleId> body_ids{};   // of these
+  DynArray<std::size_t> resolved{};  // particles that are bodies in the liquid
+  DynArray<ParticleId> body_ids{};   // of these
 
   void begin() {
     liquid.check(), setup.check(), viscosity.check(), diffusion.check(), shift.check(),
@@ -273,7 +273,7 @@ struct SphCore {
     find_stresses(team);
     constexpr std::size_t W = Pairs::W, per = 16;
     const std::size_t packs = lists.first_pack(Lists::Wall);
-    std::vector<Extremes> of_parts(pieces(packs, per));
+    DynArray<Extremes> of_parts(pieces(packs, per));
     team.for_parts(of_parts.size(), [&](std::size_t part) {
       Extremes& m = of_parts[part];
       for (std::size_t p = part * per; p < std::min(packs, (part + 1) * per); ++p) {

@@ -9,8 +9,8 @@
 #include <map>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/quaternion.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/core/vec3.hpp>
@@ -60,7 +60,7 @@ class DryGaps {
     }
     look_at_walls(core, team);
     look_at_liquid(core, team);
-    std::array<std::vector<Push>, Team::most_ranges> parts;
+    std::array<DynArray<Push>, Team::most_ranges> parts;
     const std::size_t groups = groups_.size() - 1;
     team.for_ranges(groups, 4, [&](std::size_t range, std::size_t from, std::size_t to) {
       for (std::size_t b = from; b < to; ++b) push(core, groups_[b], groups_[b + 1], parts[range]);
@@ -120,7 +120,7 @@ class DryGaps {
     const auto& walls = core.solids.walls;
     const double reach = 2 * core.setup.h(),
                  slack = walls.size() > 0 ? core.lists.slack(core.solids.wall_row[0]) : INFINITY;
-    std::array<std::vector<Site>, Team::most_ranges> parts;
+    std::array<DynArray<Site>, Team::most_ranges> parts;
     team.for_ranges(of.bodies.size(), 4, [&](std::size_t range, std::size_t from, std::size_t to) {
       for (std::size_t b = from; b < to; ++b) {
         const std::size_t first = of.begin()[b], last = of.begin()[b + 1];
@@ -199,7 +199,7 @@ class DryGaps {
   }
   /// Forces on one body, wall by wall.
   template <class Core>
-  void push(const Core& core, std::size_t first, std::size_t last, std::vector<Push>& out) const {
+  void push(const Core& core, std::size_t first, std::size_t last, DynArray<Push>& out) const {
     const double s = core.setup.spacing, V = core.setup.volume();
     const Vec3d rho_g = core.liquid.density * core.weight();
     const double reach = 2 * core.setup.h();
@@ -227,12 +227,12 @@ class DryGaps {
   }
 
   std::uint64_t made_ = 0, listed_ = 0;  // versions of the points and of the lists
-  std::vector<Vec3d> own_;   // [1/m] sum of V grad W over a body's own particles, in its frame
-  std::vector<Site> sites_;  // body by body
-  std::vector<std::size_t> groups_{0};  // first site of each body, and the end
-  std::vector<Seat> seats_;             // of those that have a row, in its order
-  std::vector<std::size_t> packs_{0};   // first seat of each pack, and the end
-  std::vector<Push> pushes_;
+  DynArray<Vec3d> own_;   // [1/m] sum of V grad W over a body's own particles, in its frame
+  DynArray<Site> sites_;  // body by body
+  DynArray<std::size_t> groups_{0};  // first site of each body, and the end
+  DynArray<Seat> seats_;             // of those that have a row, in its order
+  DynArray<std::size_t> packs_{0};   // first seat of each pack, and the end
+  DynArray<Push> pushes_;
 };
 
 }  // namespace silt::detail

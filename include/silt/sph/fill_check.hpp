@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <limits>
 #include <string>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/vec3.hpp>
 #include <silt/sph/lattice_sites.hpp>
@@ -35,7 +35,7 @@ template <class Inside>
   constexpr double far = std::numeric_limits<double>::infinity();
   Vec3d low{far, far, far}, high{-far, -far, -far};
   std::size_t all = 0, wanted = 0, near_walls = 0;
-  std::vector<std::size_t> behind(walls.walls(), 0);
+  DynArray<std::size_t> behind(walls.walls(), 0);
   for_each_site(setup, 0, [&](const Vec3d& x) {
     ++all;
     low = {std::min(low.x, x.x), std::min(low.y, x.y), std::min(low.z, x.z)};

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <limits>
 #include <span>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/sph/setup.hpp>
 #include <silt/sph/wall_particles.hpp>
@@ -30,7 +30,7 @@ inline void refuse_misfit(const WallParticles& walls, std::span<const Vec3d> liq
   for (int axis = 0; axis < 3; ++axis) {
     if (liquid.empty() || (axis == 1 && setup.dimensions == 2)) continue;
     const auto along = [axis](const Vec3d& x) { return axis == 0 ? x.x : axis == 1 ? x.y : x.z; };
-    std::vector<Side> sides;
+    DynArray<Side> sides;
     double rows = 1;
     walls.for_each_plane([&](std::size_t wall, const Vec3d& point, const Vec3d& normal) {
       const double sign = along(normal);

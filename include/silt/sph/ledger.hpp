@@ -6,8 +6,8 @@
 #include <bit>
 #include <cstddef>
 #include <type_traits>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
@@ -70,12 +70,12 @@ struct SphBook {
     double initial = 0, started = 0;
     Vec3d gravity{0, 0, 0};  // [m/s2] used by the ledger
   } now;
-  std::vector<double> unheld;  // [kg/m3] densities of rows before removal of tension
+  DynArray<double> unheld;  // [kg/m3] densities of rows before removal of tension
 
   bool started() const { return now.started != 0; }
   using State = std::array<double, sizeof(Numbers) / sizeof(double)>;
   State state() const { return std::bit_cast<State>(now); }
-  void restore(const std::vector<double>& all) {
+  void restore(const DynArray<double>& all) {
     State s;
     require(all.size() == s.size(), "Sph: a state's ledger has ", all.size(), " numbers for ",
             s.size());
@@ -181,7 +181,7 @@ SphPowers sph_powers(Core& core, const Team& team) {
   constexpr std::size_t W = Core::Pairs::W, per = 16;
   auto& of = core.columns;
   const std::size_t packs = core.lists.first_pack(Lists::Wall), first = packs * W;
-  std::vector<typename Sums::Surface> surfaces(of.size() - first);
+  DynArray<typename Sums::Surface> surfaces(of.size() - first);
   for (std::size_t k = 0; k < core.solids.size(); ++k) {
     if (!core.solids.has_row(k)) continue;
     const std::size_t row = core.solids.wall_row[k];
@@ -190,7 +190,7 @@ SphPowers sph_powers(Core& core, const Team& team) {
                              core.solids.is_wall(k) ? 0.0 : 1.0};
   }
   const Sums sums(core.constants(), core.viscosity, core.diffusion);
-  std::vector<SphPowers> parts((packs + per - 1) / per);
+  DynArray<SphPowers> parts((packs + per - 1) / per);
   team.for_parts(parts.size(), [&](std::size_t part) {
     for (std::size_t p = part * per; p < std::min(packs, (part + 1) * per); ++p)
       sums.add(

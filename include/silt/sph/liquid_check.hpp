@@ -2,9 +2,9 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include <silt/core/box.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/vec3.hpp>
 #include <silt/sph/row.hpp>
@@ -58,9 +58,9 @@ void sph_check(const Core& core, const SphRow& r) {
 }
 /// Warnings of Sph::warnings().
 template <class Core>
-[[gnu::cold]] std::vector<std::string> sph_warnings(const Core& core) {
+[[gnu::cold]] DynArray<std::string> sph_warnings(const Core& core) {
   constexpr double share = 0.05;  // [-] splashes lose less
-  std::vector<std::string> out;
+  DynArray<std::string> out;
   const auto all = static_cast<double>(core.next_number), left = static_cast<double>(core.left);
   const Box& region = core.setup.region;
   if (left > share * all)

@@ -7,9 +7,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include <silt/core/box.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/sph/cluster_lists.hpp>
 #include <silt/sph/columns.hpp>
@@ -134,7 +134,7 @@ class NearLiquid {
   std::array<int, 3> cells_{1, 1, 1};
   double cell_ = 1;
   std::size_t words_ = 1;
-  std::vector<std::uint64_t> wet_, tall_, near_{0};
+  DynArray<std::uint64_t> wet_, tall_, near_{0};
 };
 
 }  // namespace silt::detail

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/sph/liquid_check.hpp>
@@ -44,7 +44,7 @@ struct SphSeenFlow : SphSeen {
 
 /// Sums of the probes of openings over the liquid, without buffers.
 template <class Core>
-void sph_look(const Core& core, std::vector<SphSeenFlow>& out, const Team& team) {
+void sph_look(const Core& core, DynArray<SphSeenFlow>& out, const Team& team) {
   const auto& columns = core.columns;
   const auto probes = core.openings.probes();
   const double h = core.setup.h(), a = Core::Kernel::normalisation(core.setup.dimensions, h);
@@ -76,7 +76,7 @@ void sph_set_buffers(Core& core, const Team& team) {
     const Vec3d x = columns.rows[rows[slot]].position();
     columns.rows[probes[slot]].place(core.openings.image(core.openings.of(columns, rows[slot]), x));
   }
-  std::vector<SphSeenFlow> seen;
+  DynArray<SphSeenFlow> seen;
   sph_look(core, seen, team);
   // In sequence: functions of users need not be thread-safe.
   for (std::size_t slot = 0; slot < rows.size(); ++slot) {

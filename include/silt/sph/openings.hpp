@@ -9,8 +9,8 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/sph/cluster_lists.hpp>
@@ -191,8 +191,8 @@ class SphOpenings {
   }
 
   /// For a state: whether buffers exist, and the flow counters.
-  std::vector<double> state() const {
-    std::vector<double> all{filled_ ? 1.0 : 0.0};
+  DynArray<double> state() const {
+    DynArray<double> all{filled_ ? 1.0 : 0.0};
     for (const One& one : all_)
       for (const OpeningFlow* const f : {&one.books.in, &one.books.out}) {
         const Vec3d& p = f->momentum;
@@ -239,7 +239,7 @@ class SphOpenings {
     const Vec3d up = g > 0 ? (-1 / g) * gravity : Vec3d{0, 0, 1};
     for (std::size_t o = 0; o < size(); ++o) {
       const One& one = all_[o];
-      std::vector<char> wet(one.sites[0] * one.sites[1], one.inlet);
+      DynArray<char> wet(one.sites[0] * one.sites[1], one.inlet);
       const auto site = [&](const Seen& at, std::size_t e) {
         const double k = std::floor((at.along[e] + 0.5 * one.length[e]) / spacing_);
         return static_cast<std::size_t>(std::clamp(k, 0.0, static_cast<double>(one.sites[e] - 1)));
@@ -302,8 +302,8 @@ class SphOpenings {
     to.kinetic_energy += 0.5 * mass * dot(v, v), to.pressure_work += mass * r.pressure / r.density;
   }
 
-  std::vector<One> all_;
-  std::vector<std::uint32_t> row_, probe_;
+  DynArray<One> all_;
+  DynArray<std::uint32_t> row_, probe_;
   double spacing_ = 0, layers_ = 0;
   Repeats repeats_{};
   bool filled_ = false;

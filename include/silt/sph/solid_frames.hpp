@@ -3,8 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/quaternion.hpp>
 #include <silt/core/vec3.hpp>
 #include <silt/sph/body_points.hpp>
@@ -39,7 +39,7 @@ class SolidFrames {
     std::uint32_t wall_row = none;       // of an image: the row of its particle
     double share = 1;                    // [-] of a particle's volume
   };
-  std::vector<Own> rows;  // from the first row of walls on
+  DynArray<Own> rows;  // from the first row of walls on
 
   void set(const WallParticles& walls, const BodyPoints& bodies) {
     place_.resize(walls.walls() + bodies.bodies.size()), velocity_.resize(place_.size());
@@ -61,7 +61,7 @@ class SolidFrames {
   Vec3d velocity(const Own& of) const { return velocity_[of.frame](of.middle); }
 
  private:
-  std::vector<AffineMap> place_, velocity_;
+  DynArray<AffineMap> place_, velocity_;
 };
 
 }  // namespace silt::detail

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <span>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/core/vec3.hpp>
 #include <silt/coupling/particles_in_fluid.hpp>
@@ -176,7 +177,7 @@ void sph_body_loads(Core& core, const Team& team) {
   core.gaps.find(core, team);
   core.in_step.assign(driven ? solids.walls.walls() : 0, {});
   if (driven) sph_driven_loads(core, core.in_step);
-  const std::vector<std::size_t>& begin = of.begin();
+  const DynArray<std::size_t>& begin = of.begin();
   team.for_ranges(of.bodies.size(), 4, [&](std::size_t, std::size_t from, std::size_t to) {
     for (std::size_t b = from; b < to; ++b) {
       auto& body = of.bodies[b];

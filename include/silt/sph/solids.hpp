@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/sph/body_points.hpp>
 #include <silt/sph/cluster_lists.hpp>
@@ -26,7 +26,7 @@ class SphSolids {
   WallParticles walls;
   ThinWalls thin;
   BodyPoints bodies;
-  std::vector<std::uint32_t> wall_row, probe_row;
+  DynArray<std::uint32_t> wall_row, probe_row;
   std::optional<double> plane;  // [m] y of a liquid in 2D, exact for all particles
 
   std::size_t size() const { return walls.size() + bodies.size(); }
@@ -192,8 +192,8 @@ class SphSolids {
     return x;
   }
   SolidFrames frames_;
-  std::vector<Vec3d> places_;
-  std::vector<char> needed_;
+  DynArray<Vec3d> places_;
+  DynArray<char> needed_;
   std::size_t first_row_ = 0;
 };
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <unordered_set>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/random.hpp>
 #include <silt/core/threads.hpp>
@@ -286,7 +286,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   /// Sentences for what is probably a mistake: more than 5 % of the liquid has left the region, or
   /// it has few particles. In a Simulation progress() and on_warnings() pass them on at the end of
   /// each run.
-  std::vector<std::string> warnings() const { return detail::sph_warnings(core()); }
+  DynArray<std::string> warnings() const { return detail::sph_warnings(core()); }
   std::size_t displaced() const { return core().displaced; }  // ... displaced by a body
   std::size_t wall_particles() const { return core().solids.walls.size(); }
 
@@ -358,8 +358,8 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   }
   /// Writes the liquid as points for ParaView (.vtp).
   void write(const std::string& path) const {
-    std::vector<Vec3d> position, velocity;
-    std::vector<double> density, pressure;
+    DynArray<Vec3d> position, velocity;
+    DynArray<double> density, pressure;
     for_each([&](std::uint32_t, const Vec3d& x, const Vec3d& v, double rho, double p) {
       position.push_back(x), velocity.push_back(v), density.push_back(rho), pressure.push_back(p);
     });
@@ -420,8 +420,8 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   Core& core() { return *this; }
   const Core& core() const { return *this; }
   /// Lattice positions of the liquid from number `first` on, before it has moved.
-  std::vector<Vec3d> places(std::uint32_t first) const {
-    std::vector<Vec3d> all;
+  DynArray<Vec3d> places(std::uint32_t first) const {
+    DynArray<Vec3d> all;
     for (std::size_t k = 0; k < core().columns.size(); ++k)
       if (core().columns.is_liquid(k) && core().columns.label[k] >= first)
         all.push_back(unscattered(core().columns.rows[k].position()));

@@ -9,8 +9,8 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/sph/sph.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -23,7 +23,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   clock.for_each_state(visit);
   Core& c = core();
   auto& bodies = c.solids.bodies;
-  std::vector<double> rows, labels, built, kinds = bodies.kinds(), points = bodies.points();
+  DynArray<double> rows, labels, built, kinds = bodies.kinds(), points = bodies.points();
   for (std::size_t k = 0; k < c.columns.size(); ++k) {
     const auto put = [&](const Row& r) {
       rows.insert(rows.end(), {r.x, r.y, r.z, r.vx, r.vy, r.vz, r.density, r.pressure});
@@ -45,19 +45,19 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
                                  c.made ? 1.0 : 0.0,
                                  std::isfinite(c.exchange) ? c.exchange : 0};
   auto [solid, poses] = c.solids.walls.state();
-  std::vector<double> small, shares;
+  DynArray<double> small, shares;
   for (const Vec3d& x : c.small_grains()) small.insert(small.end(), {x.x, x.y, x.z});
   for (std::size_t k = 0; k < c.columns.voidage.size(); ++k)
     shares.insert(shares.end(), {c.columns.voidage[k], c.columns.share[k], c.columns.fullness[k]});
   if constexpr (Axes::Grains::averaged) visit("fluid.grains", small), visit("fluid.shares", shares);
   visit("fluid.rows", rows), visit("fluid.labels", labels), visit("fluid.built", built);
-  std::vector<double> openings_of = c.openings.state();
+  DynArray<double> openings_of = c.openings.state();
   if (!c.openings.empty()) visit("fluid.openings", openings_of);
   visit("fluid.walls", solid), visit("fluid.poses", poses);
   visit("fluid.bodies", kinds), visit("fluid.points", points),
       visit("fluid.numbers", std::span<double>(numbers));
 
-  std::vector<double> loads;
+  DynArray<double> loads;
   for (const detail::LiquidOnWall& l : c.on_walls)
     for (const double x : std::bit_cast<std::array<double, detail::LiquidOnWall::numbers>>(l))
       loads.push_back(x);
@@ -72,7 +72,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   }
   if constexpr (Axes::ledger) {
     const auto kept = c.book.state();
-    std::vector<double> books(kept.begin(), kept.end());
+    DynArray<double> books(kept.begin(), kept.end());
     visit("fluid.ledger", books), c.book.restore(books);
   }
 
@@ -84,8 +84,8 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
           n, " particles has ", small.size(), " numbers of grains and ", shares.size(),
           " of shares");
   c.columns = {};
-  std::vector<Row> then(n);
-  std::vector<double> slacks(n);
+  DynArray<Row> then(n);
+  DynArray<double> slacks(n);
   for (std::size_t k = 0; k < n; ++k) {
     const auto get = [&](std::size_t of) {
       const double* const r = rows.data() + row * (2 * k + of);

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <string>
 #include <unordered_set>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/sph/columns.hpp>
 #include <silt/sph/setup.hpp>
@@ -103,7 +103,7 @@ class ThinWalls {
     double thickness;  // [m] accurate to a tenth of a spacing
     std::size_t wall;
   };
-  std::vector<Place> places_;
+  DynArray<Place> places_;
   bool known_ = false;  // not after a restart
 };
 

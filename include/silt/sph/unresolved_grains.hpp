@@ -9,8 +9,8 @@
 #include <span>
 #include <tuple>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/coupling/coupled_step.hpp>
@@ -104,22 +104,21 @@ class AveragedGrains {
                              of.forces)) {}
 
   UnresolvedGrainsSetup settings;
-  std::vector<std::size_t> number;  // among the particles passed to the liquid
-  std::vector<Vec3d> place;         // [m] of each
-  std::vector<Vec3d> force;         // [N] of the last step
+  DynArray<std::size_t> number;  // among the particles passed to the liquid
+  DynArray<Vec3d> place;         // [m] of each
+  DynArray<Vec3d> force;         // [N] of the last step
   CoupledStep last;
   FluidClosure closure;
 
   /// Moves the particles of `among` that are too small to be resolved to this object; false if
   /// their number has changed.
-  bool pick_small(const CoupledParticles& of, const SphSetup& setup,
-                  std::vector<std::size_t>& among) {
+  bool pick_small(const CoupledParticles& of, const SphSetup& setup, DynArray<std::size_t>& among) {
     const std::size_t before = number.size();
     number.clear();
     const double least = settings.resolved_from * setup.spacing;
     const auto is_small = [&](std::size_t p) { return of.shape.radius[p] < least; };
     std::copy_if(among.begin(), among.end(), std::back_inserter(number), is_small);
-    std::erase_if(among, is_small);
+    erase_if(among, is_small);
     const auto pick = [&](const auto& all, auto& mine) {
       mine.clear();
       if (!all.empty())
@@ -149,7 +148,7 @@ class AveragedGrains {
     if (first)
       for (auto* const of : {&columns.voidage, &columns.share, &columns.fullness})
         of->assign(columns.size(), 1);
-    std::vector<double> solids(rows, 0);
+    DynArray<double> solids(rows, 0);
     spread(volume_, solids, team);
     last = {};
     for (std::size_t p = 0; p < place.size(); ++p) {
@@ -224,7 +223,7 @@ class AveragedGrains {
     exchange_.give(of, dt, false);
     coefficient.assign(rows, 0), push.assign(rows, {0, 0, 0});
     spread(exchange_.given.coefficient, coefficient, team);
-    std::vector<double> one(n), to(rows);
+    DynArray<double> one(n), to(rows);
     for (std::size_t d = 0; d < 3; ++d) {
       for (std::size_t p = 0; p < n; ++p) {
         const Vec3d slope = vector_of(at.slope, p) + fluid.density * g;  // of the whole pressure
@@ -238,8 +237,8 @@ class AveragedGrains {
         (d == 0 ? push[k].x : d == 1 ? push[k].y : push[k].z) = to[k];
     }
   }
-  std::vector<double> coefficient;  // [kg/s] of each row
-  std::vector<Vec3d> push;          // [N]
+  DynArray<double> coefficient;  // [kg/s] of each row
+  DynArray<Vec3d> push;          // [N]
 
   /// After the step of the liquid, with the new velocities of its rows: forces on grains.
   void give_back(const SphColumns& columns, const Team& team) {
@@ -331,7 +330,7 @@ class AveragedGrains {
       for (const Share& s : shares) ++begin_[s.row + 1];
     for (std::size_t k = 0; k < rows; ++k) begin_[k + 1] += begin_[k];
     parts_.resize(begin_[rows]);
-    std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
+    DynArray<std::size_t> next(begin_.begin(), begin_.end() - 1);
     for (std::uint32_t p = 0; p < shares_.size(); ++p)
       for (const Share& s : shares_[p]) parts_[next[s.row]++] = {p, part_[p] * s.weight};
   }
@@ -344,12 +343,12 @@ class AveragedGrains {
   }
 
   Exchange exchange_;
-  std::vector<Vec3d> velocity_, acceleration_, spin_;
-  std::vector<double> radius_, volume_, mass_;
-  std::vector<std::vector<Share>> shares_;  // of each grain, with a sum of 1
-  std::vector<double> part_;                // [-] coupling factor f
-  std::vector<std::size_t> begin_;
-  std::vector<Part> parts_;
+  DynArray<Vec3d> velocity_, acceleration_, spin_;
+  DynArray<double> radius_, volume_, mass_;
+  DynArray<DynArray<Share>> shares_;  // of each grain, with a sum of 1
+  DynArray<double> part_;             // [-] coupling factor f
+  DynArray<std::size_t> begin_;
+  DynArray<Part> parts_;
 };
 
 }  // namespace detail

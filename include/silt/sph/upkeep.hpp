@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/sph/cluster_lists.hpp>
@@ -78,8 +78,8 @@ bool sph_lists_hold(const Core& core, const Team& team) {
 }
 
 template <class Core>
-const std::vector<std::uint32_t>& sph_order(Core& core, std::span<const SphRow> rows,
-                                            const Team& team) {
+const DynArray<std::uint32_t>& sph_order(Core& core, std::span<const SphRow> rows,
+                                         const Team& team) {
   const auto& of = core.columns;
   return core.lists.sort(
       rows,
@@ -171,7 +171,7 @@ void sph_renew(Core& core, const Team& team) {
   solids.thin.check(solids.walls, of, core.lists.repeats, core.setup, core.steps, core.time);
   of.arrange(sph_order(core, of.rows, team), team);
 
-  std::vector<double>& slack = core.slack;
+  DynArray<double>& slack = core.slack;
   slack.assign(of.size(), 0);
   const double most = fastest;
   team.for_ranges(of.size(), [&](std::size_t, std::size_t from, std::size_t to) {

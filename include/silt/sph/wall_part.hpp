@@ -7,10 +7,10 @@
 #include <limits>
 #include <string>
 #include <type_traits>
-#include <vector>
 
 #include <silt/boundary/motion.hpp>
 #include <silt/boundary/wall.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/sph/driven_walls.hpp>
 
@@ -18,7 +18,7 @@ namespace silt::inline SILT_TARGET::detail {
 
 /// A wall for its particles: surfaces, pose and motion.
 struct WallPart {
-  std::vector<Surface> surfaces;
+  DynArray<Surface> surfaces;
   std::string name;
   Motion motion;  // of its own
   SurfaceVelocity belt;

@@ -10,10 +10,10 @@
 #include <span>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include <silt/boundary/motion.hpp>
 #include <silt/boundary/wall.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/sph/driven_walls.hpp>
 #include <silt/sph/lattice_sites.hpp>
@@ -48,7 +48,7 @@ class WallParticles {
   }
   /// The walls of a Simulation, which moves them; they must not move in memory. True if walls were
   /// added or removed.
-  bool follow(const std::vector<Wall>& walls) {
+  bool follow(const DynArray<Wall>& walls) {
     bool same = followed_ == walls.size();
     for (std::size_t w = 0; w < walls.size() && same; ++w)
       same = walls_[w].of == &walls[w] && walls_[w].surfaces.size() == walls[w].surfaces.size();
@@ -98,8 +98,8 @@ class WallParticles {
 
   /// For a state: ten numbers per particle, and fourteen per wall: poses when the particles were
   /// made and when the lists were built.
-  std::pair<std::vector<double>, std::vector<double>> state() const {
-    std::pair<std::vector<double>, std::vector<double>> of;
+  std::pair<DynArray<double>, DynArray<double>> state() const {
+    std::pair<DynArray<double>, DynArray<double>> of;
     for (const Particle& p : particles_) {
       for (const Vec3d& x : {p.at, p.ghost, p.normal})
         of.first.insert(of.first.end(), {x.x, x.y, x.z});
@@ -288,7 +288,7 @@ class WallParticles {
   }
   /// Refuses a wall in free space that has no lattice site between its surfaces.
   void refuse_what_has_none(const SphSetup& setup) const {
-    std::vector<char> has(walls_.size(), 0);
+    DynArray<char> has(walls_.size(), 0);
     for (const Particle& p : particles_) has[p.wall] = 1;
     if (std::all_of(has.begin(), has.end(), [](char h) { return h != 0; })) return;
     const double s = setup.spacing;
@@ -378,11 +378,11 @@ class WallParticles {
     return x;
   }
 
-  std::vector<Part> walls_;
-  std::vector<Particle> particles_;
-  std::vector<Box> boxes_;    // around the particles of each wall, with their images
+  DynArray<Part> walls_;
+  DynArray<Particle> particles_;
+  DynArray<Box> boxes_;       // around the particles of each wall, with their images
   std::size_t followed_ = 0;  // walls of a Simulation
-  std::vector<std::pair<Pose, Pose>>
+  DynArray<std::pair<Pose, Pose>>
       restored_;  // first and number, of walls of a Simulation that are not set yet
   bool fresh_ = true;
 };

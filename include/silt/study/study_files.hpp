@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <silt/core/error.hpp>
 #include <silt/files/atomic_file.hpp>

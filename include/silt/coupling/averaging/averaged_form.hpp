@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/shape/compound.hpp>
 #include <silt/shape/mix.hpp>
@@ -24,10 +25,10 @@ namespace silt::inline SILT_TARGET {
 /// Errors:  InputError for fewer than 1 or more than 1e6 points.
 /// Tests:   tests/coupling/averaging_bodies.cpp.
 struct AveragedForm {
-  std::vector<Vec3d> points;  // [-]
-  Vec3d axes{1, 1, 1};        // [-] semi-axes of the (super-)ellipsoid of the gauge
-  double s1 = 2, s2 = 2;      // [-] its exponents
-  double smallest_axis = 1;   // [-]
+  DynArray<Vec3d> points;    // [-]
+  Vec3d axes{1, 1, 1};       // [-] semi-axes of the (super-)ellipsoid of the gauge
+  double s1 = 2, s2 = 2;     // [-] its exponents
+  double smallest_axis = 1;  // [-]
   /// The gauge is that of a sphere (also for a cube), and so are kernels.
   bool sphere = false;
 

@@ -1,8 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <vector>
-
+#include <silt/core/dyn_array.hpp>
 #include <silt/coupling/averaging/axis_range.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -23,20 +22,20 @@ struct AxisTransfer {
     double weight;
   };
   int fine_cells, coarse_cells;
-  std::vector<int> first;   // first part of each fine cell, and their number
-  std::vector<Part> parts;  // by fine cell
-  std::vector<int> first_of_coarse;
+  DynArray<int> first;   // first part of each fine cell, and their number
+  DynArray<Part> parts;  // by fine cell
+  DynArray<int> first_of_coarse;
   struct FinePart {
     int fine;
     double weight;
   };
-  std::vector<FinePart> fine_parts;  // the same, by coarse cell
+  DynArray<FinePart> fine_parts;  // the same, by coarse cell
 
   AxisTransfer(int fine, int coarse, bool periodic, bool linear)
       : fine_cells(fine), coarse_cells(coarse) {
     const double ratio = static_cast<double>(coarse) / fine;
-    std::vector<double> row(static_cast<std::size_t>(coarse));
-    std::vector<std::vector<FinePart>> columns(row.size());
+    DynArray<double> row(static_cast<std::size_t>(coarse));
+    DynArray<DynArray<FinePart>> columns(row.size());
     for (int f = 0; f < fine; ++f) {
       const double low = f * ratio, high = (f + 1) * ratio;
       first.push_back(static_cast<int>(parts.size()));

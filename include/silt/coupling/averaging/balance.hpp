@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <span>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/coupling/averaging/stencils.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -14,7 +14,7 @@ namespace silt::inline SILT_TARGET::detail {
 inline void widen(CellField& marks, const std::array<int, 3>& reach) {
   const Grid& g = marks.grid();
   const auto& n = g.cells();
-  std::vector<double> line;
+  DynArray<double> line;
   for (std::size_t d = 0; d < 3; ++d) {
     const std::size_t a = (d + 1) % 3, b = (d + 2) % 3;
     const bool wraps = g.periodic(static_cast<int>(d));
@@ -168,12 +168,12 @@ class Balance {
                    const Team& team) const {
     constexpr std::size_t at_once = std::size_t{1} << 17;
     const Grid &f = fine_.grid(), &g = open_.grid();
-    std::vector<Vec3d> places;
-    std::vector<double> amounts;
+    DynArray<Vec3d> places;
+    DynArray<double> amounts;
     CellField part(g);
     sum.fill(0);
     const auto add = [&] {
-      const std::vector<double> radii(places.size(), radius_);
+      const DynArray<double> radii(places.size(), radius_);
       const AveragedParticles samples{places, radii};
       stencils.place(places.size(), source_of(samples), team);
       const std::span<const double> from[] = {amounts};

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/vec3.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -14,11 +14,11 @@ namespace silt::inline SILT_TARGET::detail {
 /// N points of equal weight that fill the unit ball: Fibonacci lattices on shells. The number of
 /// points of a shell is proportional to its volume, and they are at the shell's root mean square
 /// radius; shifted to the centre.
-inline std::vector<Vec3d> ball_points(int n) {
+inline DynArray<Vec3d> ball_points(int n) {
   if (n == 1) return {{0, 0, 0}};
   const int shells = std::max(1, static_cast<int>(std::lround(std::cbrt(n / 8.0))));
   const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
-  std::vector<Vec3d> all;
+  DynArray<Vec3d> all;
   Vec3d mean{0, 0, 0};
   double below = 0;  // volume fraction inside the shell
   for (int s = 0; s < shells; ++s) {

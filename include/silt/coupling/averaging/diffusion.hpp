@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/coupling/averaging/line_diffusion.hpp>
 #include <silt/coupling/averaging/two_grid.hpp>
 
@@ -91,7 +92,7 @@ class Diffusion::Averaging {
   Stencils stencils_;
   LineDiffusion diffusion_;
   FieldCopies copies_;
-  std::vector<CellField> open_, balance_;  // none: all cells are open
+  DynArray<CellField> open_, balance_;  // none: all cells are open
 };
 
 static_assert(AveragingMode<Diffusion>);

@@ -1,8 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <vector>
-
+#include <silt/core/dyn_array.hpp>
 #include <silt/coupling/averaging/concept.hpp>
 #include <silt/coupling/averaging/stencil_rows.hpp>
 
@@ -67,7 +66,7 @@ class LineDiffusion {
   template <class Share, class Set>
   static void factorise(int n, bool periodic, double k, const Share& share, const Set& set) {
     const auto open = [&](int m) { return share(m) > 0; };
-    std::vector<LineCell> c(static_cast<std::size_t>(n));
+    DynArray<LineCell> c(static_cast<std::size_t>(n));
     const auto at = [&](int m) -> LineCell& { return c[static_cast<std::size_t>(m)]; };
     const auto bond = [&](int m) { return m > 0 && m < n && open(m) && open(m - 1) ? k : 0.0; };
     for (int m = 0; m < n; ++m) {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/coupling/averaging/stencil_rows.hpp>
@@ -76,9 +76,9 @@ class SlabLists {
 
  private:
   int planes_ = 0, thickness_ = 1;
-  std::vector<std::size_t> first_{0};   // first member of each slab, and their number
-  std::vector<std::uint32_t> members_;  // particles, by slab
-  std::vector<std::size_t> counts_;
+  DynArray<std::size_t> first_{0};   // first member of each slab, and their number
+  DynArray<std::uint32_t> members_;  // particles, by slab
+  DynArray<std::size_t> counts_;
 };
 
 }  // namespace silt::inline SILT_TARGET::detail

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 #include <span>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/target.hpp>
 
@@ -176,9 +176,9 @@ class SphereOverlap {
     return v;
   }
 
-  std::array<std::vector<Plane>, 3> planes_;
-  std::array<std::vector<Pair>, 3> pairs_;
-  std::vector<double> beyond_;
+  std::array<DynArray<Plane>, 3> planes_;
+  std::array<DynArray<Pair>, 3> pairs_;
+  DynArray<double> beyond_;
 };
 
 }  // namespace silt

@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/coupling/averaging/balance.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -69,9 +70,9 @@ class FieldCopies {
   }
 
  private:
-  std::vector<CellField> copies_;
-  std::vector<const CellField*> constant_;
-  std::vector<CellField*> all_;
+  DynArray<CellField> copies_;
+  DynArray<const CellField*> constant_;
+  DynArray<CellField*> all_;
 };
 
 /// Operator of modes whose weights are stencils on the grid itself. Mode::Source(mode, grid,

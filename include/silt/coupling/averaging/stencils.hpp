@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/coupling/averaging/axis_range.hpp>
 #include <silt/coupling/averaging/concept.hpp>
 #include <silt/coupling/averaging/slab_lists.hpp>
@@ -82,7 +82,7 @@ class Stencils {
     report_.bytes = weights_.size() * sizeof(double) + n * sizeof(Stencil);
     closed_.assign(Team::most_ranges, 0);
     team.for_ranges(n, [&](std::size_t range, std::size_t from, std::size_t to) {
-      std::vector<double> raw;
+      DynArray<double> raw;
       std::array<AxisRange, 3> r;
       for (std::size_t p = from; p < to; ++p) {
         if (stencils_[p].nx == 0) continue;
@@ -176,8 +176,8 @@ class Stencils {
 
   /// Output of spread(): origins of fields, and columns of particles.
   struct Targets {
-    std::vector<const double*> columns;
-    std::vector<double*> fields;
+    DynArray<const double*> columns;
+    DynArray<double*> fields;
   };
 
   static std::uint64_t room(const Stencil& s) {
@@ -220,7 +220,7 @@ class Stencils {
 
   template <class Source>
   void fill(Stencil& s, std::size_t p, const std::array<AxisRange, 3>& r, const Source& source,
-            std::vector<double>& raw) {
+            DynArray<double>& raw) {
     double* w = &weights_[s.offset];
     const auto length = [](int n) { return static_cast<std::size_t>(n); };
     if (s.product) {
@@ -385,10 +385,10 @@ class Stencils {
   }
 
   Grid grid_;
-  std::vector<CellField> openness_;  // none: all open
+  DynArray<CellField> openness_;  // none: all open
   AlignedVector<Stencil> stencils_;
   AlignedVector<double> weights_;
-  std::vector<std::size_t> closed_;
+  DynArray<std::size_t> closed_;
   detail::SlabLists slabs_;
   AveragingReport report_;
 };

@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/coupling/averaging/axis_transfer.hpp>
 #include <silt/coupling/averaging/unresolved.hpp>
 
@@ -145,7 +146,7 @@ class TwoGrid::Averaging {
   void distribute(CellFields from, CellFields to, const Team& team) const {
     team.for_parts(static_cast<std::size_t>(grid_.nz()), [&](std::size_t plane) {
       const int k = static_cast<int>(plane);
-      std::vector<double> row(static_cast<std::size_t>(coarse().nx()));
+      DynArray<double> row(static_cast<std::size_t>(coarse().nx()));
       for (std::size_t q = 0; q < from.size(); ++q)
         for (int j = 0; j < grid_.ny(); ++j) {
           std::fill(row.begin(), row.end(), 0.0);
@@ -174,7 +175,7 @@ class TwoGrid::Averaging {
     planes_.assign(size * from.size(), 0.0);
     team.for_parts(static_cast<std::size_t>(grid_.nz()), [&](std::size_t plane) {
       const int k = static_cast<int>(plane);
-      std::vector<double> row(nx);
+      DynArray<double> row(nx);
       for (std::size_t q = 0; q < from.size(); ++q)
         for (int j = 0; j < grid_.ny(); ++j) {
           const double* fine = from[q]->row(j, k);
@@ -211,9 +212,9 @@ class TwoGrid::Averaging {
   Grid grid_;
   double diameter_;
   Stencils stencils_;
-  std::vector<AxisTransfer> axes_;
-  std::vector<CellField> open_;     // none: all are
-  std::vector<CellField> balance_;  // of coarse cells, where some are not open
+  DynArray<AxisTransfer> axes_;
+  DynArray<CellField> open_;     // none: all are
+  DynArray<CellField> balance_;  // of coarse cells, where some are not open
   FieldCopies copies_;
   AlignedVector<double> planes_;
 };

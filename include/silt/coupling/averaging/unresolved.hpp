@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/coupling/averaging/ball_points.hpp>
 #include <silt/coupling/averaging/sphere_overlap.hpp>
 #include <silt/coupling/averaging/stencil_averaging.hpp>
@@ -99,7 +100,7 @@ class Unresolved::Source {
 
   void exact(std::size_t p, const std::array<AxisRange, 3>& r, double* raw) const {
     thread_local SphereOverlap overlap;
-    thread_local std::array<std::vector<double>, 3> planes;
+    thread_local std::array<DynArray<double>, 3> planes;
     const auto s = frame_.at(of_.position[p]);
     const double scale = 1 / of_.radius[p];
     std::array<int, 3> cells;
@@ -117,7 +118,7 @@ class Unresolved::Source {
   Share share_;
   const AveragedParticles& of_;
   detail::CellFrame frame_;
-  std::vector<Vec3d> points_;
+  DynArray<Vec3d> points_;
 };
 
 static_assert(AveragingMode<Unresolved>);

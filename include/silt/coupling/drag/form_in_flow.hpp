@@ -8,8 +8,8 @@
 #include <numbers>
 #include <type_traits>
 #include <variant>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/coupling/averaging/averaged_form.hpp>
 #include <silt/coupling/drag/silhouette.hpp>
 #include <silt/shape/surface_mesh.hpp>
@@ -27,13 +27,13 @@ namespace silt::inline SILT_TARGET {
 /// overlapping spheres; 2.5 % for an octahedron, whose edges are between the pieces.
 /// Tests: tests/coupling/form_in_flow.cpp.
 struct FormInFlow {
-  double sphericity = 1;                // [-]
-  Vec3d inertia{0.4, 0.4, 0.4};         // [-] principal moments over m r^2
-  Vec3d axes{1, 1, 1};                  // [-] semi-axes over r of the ellipsoid with these moments
-  Vec3d slip_resistance{1, 1, 1};       // [-] of it in slow flow: force over 6 pi mu r times slip
-  Vec3d spin_resistance{1, 1, 1};       // [-] of it: torque over 8 pi mu r^3 times spin
-  Vec3d strain_share{0, 0, 0};          // [-] of it: (b^2 - c^2)/(b^2 + c^2) and so on
-  std::vector<double> seen, mean_side;  // [-] tables; empty: a sphere
+  double sphericity = 1;             // [-]
+  Vec3d inertia{0.4, 0.4, 0.4};      // [-] principal moments over m r^2
+  Vec3d axes{1, 1, 1};               // [-] semi-axes over r of the ellipsoid with these moments
+  Vec3d slip_resistance{1, 1, 1};    // [-] of it in slow flow: force over 6 pi mu r times slip
+  Vec3d spin_resistance{1, 1, 1};    // [-] of it: torque over 8 pi mu r^3 times spin
+  Vec3d strain_share{0, 0, 0};       // [-] of it: (b^2 - c^2)/(b^2 + c^2) and so on
+  DynArray<double> seen, mean_side;  // [-] tables; empty: a sphere
 
   static constexpr int pieces = 4, nodes = 2 * pieces + 1;
 
@@ -61,7 +61,7 @@ struct FormInFlow {
   }
 
  private:
-  static double look_up(const std::vector<double>& table, const Vec3d& u) {
+  static double look_up(const DynArray<double>& table, const Vec3d& u) {
     const double c[] = {u.x, u.y, u.z}, m[] = {std::abs(u.x), std::abs(u.y), std::abs(u.z)};
     const auto face = static_cast<std::size_t>(std::max_element(m, m + 3) - m);
     std::size_t first[2];
@@ -114,7 +114,7 @@ double area_seen(const Compound<S>& body, const Vec3d& u) {
     double x, y;
   };
   const auto [e, f] = across(u);
-  std::vector<std::array<Point, corners>> outlines;
+  DynArray<std::array<Point, corners>> outlines;
   double low = INFINITY, high = -INFINITY;
   for (const auto& part : body.parts) {
     auto& outline = outlines.emplace_back();
@@ -129,7 +129,7 @@ double area_seen(const Compound<S>& body, const Vec3d& u) {
     }
   }
   double length = 0;
-  std::vector<Point> spans;
+  DynArray<Point> spans;
   for (int line = 0; line < lines; ++line) {
     const double y = low + (high - low) * (line + 0.5) / lines;
     spans.clear();
@@ -228,7 +228,7 @@ FormInFlow form_in_flow(const S& shape) {
     form.strain_share = {(a2.y - a2.z) / (a2.y + a2.z), (a2.z - a2.x) / (a2.z + a2.x),
                          (a2.x - a2.y) / (a2.x + a2.y)};
     form.seen.resize(3 * nodes * nodes), form.mean_side.resize(3 * nodes * nodes);
-    const auto for_nodes = [&](std::vector<double>& table, const auto& area_along) {
+    const auto for_nodes = [&](DynArray<double>& table, const auto& area_along) {
       for (std::size_t face = 0; face < 3; ++face)
         for (std::size_t i = 0; i < nodes; ++i)
           for (std::size_t j = 0; j < nodes; ++j) {

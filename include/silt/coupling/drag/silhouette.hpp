@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/coupling/drag/non_spherical.hpp>
 #include <silt/shape/dilated_moments.hpp>
 #include <silt/shape/multi_sphere.hpp>
@@ -94,10 +94,9 @@ struct Disc {
 };
 
 /// Arcs of disc i that no other disc covers, as pairs of angles.
-inline std::vector<std::pair<double, double>> free_arcs(const std::vector<Disc>& discs,
-                                                        std::size_t i) {
+inline DynArray<std::pair<double, double>> free_arcs(const DynArray<Disc>& discs, std::size_t i) {
   constexpr double pi = std::numbers::pi;
-  std::vector<std::pair<double, double>> covered;
+  DynArray<std::pair<double, double>> covered;
   const Disc& a = discs[i];
   for (std::size_t j = 0; j < discs.size(); ++j) {
     if (j == i) continue;
@@ -120,7 +119,7 @@ inline std::vector<std::pair<double, double>> free_arcs(const std::vector<Disc>&
     }
   }
   std::sort(covered.begin(), covered.end());
-  std::vector<std::pair<double, double>> left;
+  DynArray<std::pair<double, double>> left;
   double reached = -pi;
   for (const auto& [from, to] : covered) {
     if (from > reached) left.push_back({reached, from});
@@ -174,7 +173,7 @@ inline Silhouette silhouette(const Polyhedron& s, const Vec3d& u) {
 inline Silhouette silhouette(const MultiSphere& s, const Vec3d& u) {
   detail::check_direction(u);
   const auto [e, f] = detail::across(u);
-  std::vector<detail::Disc> discs;
+  DynArray<detail::Disc> discs;
   for (const Ball& b : s.balls) discs.push_back({dot(b.centre, e), dot(b.centre, f), b.radius});
   Silhouette seen{0, 0};
   for (std::size_t i = 0; i < discs.size(); ++i)
@@ -203,7 +202,7 @@ inline double surface_of_body(const Polyhedron& s) { return s.area(); }
 inline double surface_of_body(const MultiSphere& s) {
   constexpr int slices = 400;
   double sum = 0;
-  std::vector<detail::Disc> discs;
+  DynArray<detail::Disc> discs;
   for (const Ball& b : s.balls)
     for (int k = 0; k < slices; ++k) {
       const double height = b.centre.z + b.radius * ((2 * k + 1.0) / slices - 1);

@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/core/storage.hpp>
@@ -36,8 +36,8 @@ struct BassetKernel {
 
   double dt;                               // [s]
   std::size_t steps;                       // N
-  std::vector<double> weight;              // [s^1/2] of g_0 (now) ... g_N in (2)
-  std::vector<double> first_weight;        // of g_k without a predecessor
+  DynArray<double> weight;                 // [s^1/2] of g_0 (now) ... g_N in (2)
+  DynArray<double> first_weight;           // of g_k without a predecessor
   std::array<double, terms> decay;         // [-] e^-x
   std::array<double, terms> newer, older;  // [s^1/2] of g_N and g_N+1 in (3)
   std::array<double, terms> at_window;     // [s^-1/2] terms of (3) at t_win
@@ -125,7 +125,7 @@ class BassetHistory {
       values_.swap(fresh), stride_ = stride;
     }
     for (std::size_t i = size_; i < particles; ++i) clear(i);
-    std::erase_if(young_, [&](const Young& y) { return y.particle >= particles; });
+    erase_if(young_, [&](const Young& y) { return y.particle >= particles; });
     size_ = particles;
   }
 
@@ -133,7 +133,7 @@ class BassetHistory {
   void start(std::size_t i, const Vec3d& W, const Vec3d& g) {
     check(i);
     clear(i);
-    std::erase_if(young_, [&](const Young& y) { return y.particle == i; });
+    erase_if(young_, [&](const Young& y) { return y.particle == i; });
     young_.push_back({i, 0, W, g});
     put(slot_row(0), i, g);
   }
@@ -147,8 +147,8 @@ class BassetHistory {
   }
 
   /// Complete state, for the same kernel and number of particles.
-  std::vector<double> state() const {
-    std::vector<double> all{static_cast<double>(young_.size())};
+  DynArray<double> state() const {
+    DynArray<double> all{static_cast<double>(young_.size())};
     for (std::size_t k = 0; k < slots_; ++k) append_row(all, slot_row(k));
     for (std::size_t i = 0; i <= terms; ++i) append_row(all, tail_row(i));  // the last is past
     for (const Young& y : young_)
@@ -193,7 +193,7 @@ class BassetHistory {
     if (from == to) return;
     for (std::size_t r = 0; r < rows(); ++r)
       values_[r * stride_ + to] = values_[r * stride_ + from];
-    std::erase_if(young_, [&](const Young& y) { return y.particle == to; });
+    erase_if(young_, [&](const Young& y) { return y.particle == to; });
     for (std::size_t k = 0, n = young_.size(); k < n; ++k)
       if (Young y = young_[k]; y.particle == from) y.particle = to, young_.push_back(y);
   }
@@ -261,7 +261,7 @@ class BassetHistory {
     const Scalar* p = &values_[row * stride_ + i];
     put(row, i, Vec3d{p[0], p[stride_], p[2 * stride_]} + v);
   }
-  void append_row(std::vector<double>& to, std::size_t r) const {
+  void append_row(DynArray<double>& to, std::size_t r) const {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const Scalar* p = &values_[(r + axis) * stride_];
       to.insert(to.end(), p, p + size_);
@@ -315,7 +315,7 @@ class BassetHistory {
       else
         leave_window(y, jump);
     }
-    std::erase_if(young_, [&](const Young& y) { return y.age >= kernel_.steps; });
+    erase_if(young_, [&](const Young& y) { return y.age >= kernel_.steps; });
   }
 
   /// Difference of the effect of g in a shorter first step to that of the same change of the slip
@@ -347,7 +347,7 @@ class BassetHistory {
   BassetKernel kernel_;
   std::size_t slots_, head_ = 0, size_ = 0, stride_ = 0;
   AlignedVector<Scalar> values_;
-  std::vector<Young> young_;
+  DynArray<Young> young_;
 };
 
 }  // namespace silt

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/id_table.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/coupling/fluid_force.hpp>
@@ -100,10 +100,10 @@ class HistoryForce {
   }
 
   /// For a checkpoint.
-  std::vector<double> state() const {
+  DynArray<double> state() const {
     if (first_ == 0) return {};
-    std::vector<double> all{first_, history_ ? history_->kernel().dt : 0,
-                            static_cast<double>(owner_.size())};
+    DynArray<double> all{first_, history_ ? history_->kernel().dt : 0,
+                         static_cast<double>(owner_.size())};
     for (std::size_t k = 0; k < owner_.size(); ++k)
       all.insert(all.end(), {double(owner_[k]), last_[k].x, last_[k].y, last_[k].z});
     if (!history_) return all;
@@ -123,7 +123,7 @@ class HistoryForce {
     const auto n = static_cast<std::size_t>(all[2]);
     require((all[1] > 0) == (all.size() > 3 + 4 * n),
             "HistoryForce: its state in the checkpoint is not complete");
-    std::vector<double> owners;
+    DynArray<double> owners;
     for (std::size_t k = 0; k < n; ++k) {
       const double id = all[3 + 4 * k];
       require(id >= 0 && id <= 0x1p53 && id == std::floor(id),
@@ -173,11 +173,11 @@ class HistoryForce {
   std::size_t window_;  // [fluid steps]
   double first_ = 0;    // [s] the first fluid step; 0: none yet
   std::optional<BassetHistory<>> history_;
-  std::vector<ParticleId> owner_;    // id of a place in the history
-  detail::IdTable slot_of_;          // the opposite
-  std::vector<Vec3d> last_;          // [m/s] slip of each place, a step ago
-  std::vector<std::uint32_t> slot_;  // of each particle of this step
-  std::vector<char> here_;
+  DynArray<ParticleId> owner_;    // id of a place in the history
+  detail::IdTable slot_of_;       // the opposite
+  DynArray<Vec3d> last_;          // [m/s] slip of each place, a step ago
+  DynArray<std::uint32_t> slot_;  // of each particle of this step
+  DynArray<char> here_;
 };
 
 static_assert(FluidForce<HistoryForce>);

@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/advance/sphere_motion.hpp>
 #include <silt/engine/convex/convex_rows.hpp>
 #include <silt/engine/state/body.hpp>
@@ -49,17 +49,17 @@ class BodyMotion {
   struct Synchronous {
     Vec3d velocity, angular_velocity;  // [m/s], [rad/s]
   };
-  std::vector<Synchronous> synchronous;  // of the last observed step
-  std::vector<BodyForm<ShapeType>> forms;
+  DynArray<Synchronous> synchronous;  // of the last observed step
+  DynArray<BodyForm<ShapeType>> forms;
   std::size_t cells = 0;  // number of cell forms, the last ones (cell_forms.hpp)
-  std::vector<Body> bodies;
+  DynArray<Body> bodies;
   Vec3d wrapped{0, 0, 0};  // [kg m] as NearLists::wrapped
   // Number of ghosts among the bodies, the last ones (ParticleState::ghosts).
   [[no_unique_address]] std::conditional_t<State::of_ranks, std::size_t, NoGhosts> ghosts{};
   [[no_unique_address]] FluidLoads<Composition::from_fluid> fluid;  // of each body
   using Modules = typename Composition::Modules;
   [[no_unique_address]] ModuleColumns<Modules> modules;  // of each body
-  std::vector<std::uint32_t> rows;  // of the parts of each body, in the order of its form
+  DynArray<std::uint32_t> rows;  // of the parts of each body, in the order of its form
   static constexpr bool convex = SolidShape<ShapeType>;
   static constexpr bool has_levers = [] {
     if constexpr (convex)

@@ -3,16 +3,17 @@
 
 // BodyMotion: reordering of bodies after their parts.
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/advance/body_motion.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
 template <class Composition, class State>
 void BodyMotion<Composition, State>::follow(State& particles) {
-  std::vector<std::uint32_t> place(bodies.size(), no_place);
-  std::vector<Body> sorted;
-  std::vector<Synchronous> recorded;
-  std::vector<std::uint32_t> order;
+  DynArray<std::uint32_t> place(bodies.size(), no_place);
+  DynArray<Body> sorted;
+  DynArray<Synchronous> recorded;
+  DynArray<std::uint32_t> order;
   std::uint32_t next = 0;
   [[maybe_unused]] std::size_t own = 0;  // number owned by this rank, which come first
   sorted.reserve(bodies.size());

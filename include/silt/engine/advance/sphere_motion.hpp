@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstddef>
 #include <numeric>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/row4.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/engine/contact/load_rows.hpp>
@@ -67,7 +67,7 @@ class SphereMotion {
   struct Synchronous {
     Vec3d velocity, spin_velocity;
   };
-  std::vector<Synchronous> synchronous;  // of the last observed step
+  DynArray<Synchronous> synchronous;  // of the last observed step
 
   Pace integrate(const Scene& scene, Advance how, const Kick& kick) {
     const std::size_t n = scene.particles.owned();

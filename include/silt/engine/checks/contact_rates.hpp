@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <vector>
 
 #include <silt/contact/concept.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/checks/guard.hpp>
 #include <silt/engine/contact/offset.hpp>
 #include <silt/engine/contact/shape_inertia.hpp>
@@ -277,7 +277,7 @@ class ContactRates {
 
   const EngineType& e_;
   double back_, time_step_;
-  std::vector<Sums> sums_;
+  DynArray<Sums> sums_;
 };
 
 }  // namespace silt::detail

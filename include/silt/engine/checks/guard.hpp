@@ -10,10 +10,10 @@
 #include <string>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include <silt/boundary/wall.hpp>
 #include <silt/core/box.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/engine/checks/guard_finite.hpp>
 #include <silt/engine/checks/guard_overlap.hpp>
@@ -152,7 +152,7 @@ template <class EngineType>
   const FastestParticle fastest = fastest_particle(e);
   const bool is_wall = wall_way > way;
   const Vec3d where = is_wall ? Vec3d{} : fastest.centre;
-  std::vector<ParticleId> ids;
+  DynArray<ParticleId> ids;
   if (!is_wall) ids.push_back(fastest.speed.id);
   const auto who = is_wall ? sentence(name_of_wall(e.walls, fastest_wall(e)), " moves")
                    : fastest.speed.is_of_tips()

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <string>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/engine/state/body.hpp>
 #include <silt/engine/state/rows.hpp>
@@ -50,7 +50,7 @@ template <class EngineType>
 /// Checks gravity and particles after changes by observers, or by the program between two runs.
 template <class EngineType>
 void check_given(const EngineType& e, const Vec3d& gravity, std::int64_t step, double time) {
-  const auto stop = [&](const std::string& what, std::vector<ParticleId> ids, const Vec3d& at) {
+  const auto stop = [&](const std::string& what, DynArray<ParticleId> ids, const Vec3d& at) {
     throw SimulationError(
         sentence("step ", step, ", t = ", time, " s: ", what,
                  ", which must be finite; an observer, or the program between two "

@@ -8,9 +8,9 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include <silt/boundary/wall.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/engine/contact/offset.hpp>
 #include <silt/engine/convex/convex_look.hpp>
@@ -139,13 +139,13 @@ template <class EngineType, class Domain>
 template <class EngineType, class Domain>
 [[gnu::cold]] std::string behind_words(const EngineType& e, const Domain& domain, double back,
                                        const DeepContact& c) {
-  std::vector<bool> is_behind(e.owners(), false);
+  DynArray<bool> is_behind(e.owners(), false);
   for_each_overlap(
       e, domain, back,
       [&](std::uint32_t a, std::uint32_t, std::size_t wall, bool with_wall, double overlap) {
         if (with_wall && wall == c.wall && overlap > 1) is_behind[e.owner_of(a)] = true;
       });
-  std::vector<bool> is_there(e.owners(), false);
+  DynArray<bool> is_there(e.owners(), false);
   for (std::size_t k = 0; k < e.particles.owned(); ++k)
     if (!e.particles.is_parked(k)) is_there[e.owner_of(k)] = true;
   const auto behind = std::count(is_behind.begin(), is_behind.end(), true);

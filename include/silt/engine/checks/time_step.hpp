@@ -6,12 +6,12 @@
 #include <cstddef>
 #include <limits>
 #include <string>
-#include <vector>
 
 #include <silt/boundary/wall.hpp>
 #include <silt/contact/contacts.hpp>
 #include <silt/contact/formulas.hpp>
 #include <silt/core/box.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/engine/advance/wall_motion.hpp>
 #include <silt/engine/checks/impact_damping.hpp>
@@ -31,8 +31,8 @@ struct LightestSpheres {
   One of_mass, of_hertz;
   One largest{0};  // of the mobile ones
   /// Each of the three, without duplicates.
-  std::vector<One> extremes() const {
-    std::vector<One> all{of_mass};
+  DynArray<One> extremes() const {
+    DynArray<One> all{of_mass};
     if (of_hertz != of_mass) all.push_back(of_hertz);
     if (largest != of_mass && largest != of_hertz) all.push_back(largest);
     return all;
@@ -68,9 +68,9 @@ struct LightestSpheres {
 
 /// Which materials may meet: spheres, and walls.
 struct Meetings {
-  std::vector<LightestSpheres> spheres;
-  std::vector<bool> walls;
-  std::vector<double> wall_mass;  // [kg] the smallest mass that meets a wall
+  DynArray<LightestSpheres> spheres;
+  DynArray<bool> walls;
+  DynArray<double> wall_mass;  // [kg] the smallest mass that meets a wall
 };
 
 /// True if the law has a closed form for its contact time.
@@ -106,8 +106,8 @@ class ShortestContactSearch {
   using Partner = ShortestContact::Partner;
 
  public:
-  ShortestContactSearch(const std::vector<Coefficients>& pairs, const Meetings& meetings,
-                        double speed, double slip_mobility)
+  ShortestContactSearch(const DynArray<Coefficients>& pairs, const Meetings& meetings, double speed,
+                        double slip_mobility)
       : speed_(speed), slip_mobility_(slip_mobility) {
     const std::size_t n = meetings.walls.size();
     for (std::size_t k = 0; k < pairs.size(); ++k) {

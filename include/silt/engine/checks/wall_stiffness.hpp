@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <string>
 #include <type_traits>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/advance/wall_motion.hpp>
 #include <silt/engine/checks/contact_rates.hpp>
 #include <silt/engine/convex/convex_walls.hpp>
@@ -175,7 +175,7 @@ template <class EngineType>
 template <class EngineType>
 [[gnu::cold]] void check_free_walls_together(const EngineType& e, std::int64_t step, double time,
                                              double dt, double limit) {
-  std::vector<double> rates(2 * e.walls.size());
+  DynArray<double> rates(2 * e.walls.size());
   e.ranks.together("the rates of free walls", [&] {
     for (std::size_t w = 0; w < e.walls.size(); ++w)
       if (is_free(e.walls[w].drive)) {

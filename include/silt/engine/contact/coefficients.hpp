@@ -6,9 +6,9 @@
 #include <bit>
 #include <cstdint>
 #include <type_traits>
-#include <vector>
 
 #include <silt/contact/contacts.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/lanes.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -17,8 +17,8 @@ namespace silt::inline SILT_TARGET::detail {
 template <class ContactsType>
 struct CoefficientTable {
   std::size_t materials = 1;
-  std::vector<typename ContactsType::LawCoefficients> law;          // materials x materials
-  std::vector<typename ContactsType::RollingCoefficients> rolling;  // materials x materials
+  DynArray<typename ContactsType::LawCoefficients> law;          // materials x materials
+  DynArray<typename ContactsType::RollingCoefficients> rolling;  // materials x materials
 };
 
 /// Pairs of materials without a pair value, which no touching particles have
@@ -53,7 +53,7 @@ double largest_range([[maybe_unused]] const CoefficientTable<ContactsType>& tabl
 template <template <class> class Aggregate, class Real>
 class CoefficientLanes {
  public:
-  explicit CoefficientLanes(const std::vector<Aggregate<double>>& table)
+  explicit CoefficientLanes(const DynArray<Aggregate<double>>& table)
       : table_(table), lanes_(broadcast<Aggregate, Real>(table[0])) {}
 
   /// `kinds`: index in the coefficient table for each lane.
@@ -83,7 +83,7 @@ class CoefficientLanes {
     lanes_ = std::bit_cast<Aggregate<Real>>(reals);
   }
 
-  const std::vector<Aggregate<double>>& table_;
+  const DynArray<Aggregate<double>>& table_;
   Aggregate<Real> lanes_;
   unsigned uniform_ = 0;  // index common to all lanes, if there is one
 };
@@ -92,7 +92,7 @@ class CoefficientLanes {
 template <class ContactsType, class Real>
 class ContactCoefficients {
   struct NoRollingLanes {
-    explicit NoRollingLanes(const std::vector<typename ContactsType::RollingCoefficients>&) {}
+    explicit NoRollingLanes(const DynArray<typename ContactsType::RollingCoefficients>&) {}
     typename ContactsType::Rolling::template Coefficients<Real> operator()() const { return {}; }
     void choose(const std::uint16_t*) {}
   };

@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <limits>
 #include <type_traits>
-#include <vector>
 
 #include <silt/contact/concept.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/core/position_row.hpp>
 #include <silt/engine/contact/kinematics.hpp>
@@ -122,10 +122,10 @@ class ContactNotes {
   void complete(const Where& where) {
     for (; completed_ < noted_.size(); ++completed_) where(noted_[completed_]);
   }
-  const std::vector<NotedContact>& noted() const { return noted_; }
+  const DynArray<NotedContact>& noted() const { return noted_; }
 
  private:
-  std::vector<NotedContact> noted_;
+  DynArray<NotedContact> noted_;
   std::size_t completed_ = 0;
 };
 template <class ContactsType>

@@ -9,8 +9,8 @@
 #include <optional>
 #include <tuple>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
@@ -100,11 +100,11 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   }
   /// What walls have given to the particles of a module; saved in checkpoints.
   template <class M>
-  const std::vector<WallGiven>& from_walls() const {
+  const DynArray<WallGiven>& from_walls() const {
     return rows_[index_of<M>].from_walls;
   }
-  std::vector<double> wall_books() const {
-    std::vector<double> books;
+  DynArray<double> wall_books() const {
+    DynArray<double> books;
     for (const Rows& all : rows_) {
       books.push_back(static_cast<double>(all.from_walls.size()));
       for (const WallGiven& w : all.from_walls) books.push_back(w.rate), books.push_back(w.sum);
@@ -112,7 +112,7 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     return books;
   }
   /// Returns false if the numbers do not fit such books.
-  bool take_wall_books(const std::vector<double>& books, std::size_t walls) {
+  bool take_wall_books(const DynArray<double>& books, std::size_t walls) {
     std::size_t k = 0;
     for (Rows& all : rows_) {
       if (k == books.size() || !(books[k] >= 0 && books[k] <= static_cast<double>(walls)))
@@ -176,7 +176,7 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   using Coefficients = typename CoefficientsOf<M>::template type<double>;
   template <class M>
   struct Table {
-    std::vector<Coefficients<M>> of_pair{Coefficients<M>{}};
+    DynArray<Coefficients<M>> of_pair{Coefficients<M>{}};
   };
   /// Stored side by side, because contacts access both at scattered rows.
   struct Row {
@@ -185,14 +185,14 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   struct Rows {
     AlignedVector<Row> row;
     AlignedVector<double> slope, owned_slope;
-    std::vector<std::optional<double>> of_wall, given;  // per wall; given: the total
-    std::vector<AlignedVector<double>> of_rows;  // per wall: flux into each row, or its share of a
-                                                 // prescribed total of the wall
-    std::vector<WallGiven> from_walls;
+    DynArray<std::optional<double>> of_wall, given;  // per wall; given: the total
+    DynArray<AlignedVector<double>> of_rows;  // per wall: flux into each row, or its share of a
+                                              // prescribed total of the wall
+    DynArray<WallGiven> from_walls;
   };
   template <class M>
   struct Nothing {
-    explicit Nothing(const std::vector<Coefficients<M>>&) {}
+    explicit Nothing(const DynArray<Coefficients<M>>&) {}
     void choose(const std::uint16_t*) {}
     NoCoefficients<Real> operator()() const { return {}; }
   };

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <tuple>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/contact/contact_events.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -15,8 +15,8 @@ namespace silt::inline SILT_TARGET::detail {
 class ContactLog {
  public:
   bool wanted = false;  // an observer asks for events
-  const std::vector<ContactEvent>& begun() const { return begun_; }
-  const std::vector<ContactEvent>& ended() const { return ended_; }
+  const DynArray<ContactEvent>& begun() const { return begun_; }
+  const DynArray<ContactEvent>& ended() const { return ended_; }
 
   void clear() { begun_.clear(), ended_.clear(); }
   /// `id_of`: id of a row. Contacts of a particle that has left, which has no id, are not reported.
@@ -52,7 +52,7 @@ class ContactLog {
   }
 
  private:
-  std::vector<ContactEvent> begun_, ended_;
+  DynArray<ContactEvent> begun_, ended_;
 };
 struct NoContactLog {};
 

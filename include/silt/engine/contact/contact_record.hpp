@@ -7,8 +7,8 @@
 #include <mutex>
 #include <optional>
 #include <span>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/vec3.hpp>
 #include <silt/engine/lists/wall_images.hpp>
 
@@ -99,10 +99,10 @@ class ContactRecord {
     numbers.insert(numbers.end(), history.begin(), history.end());
   }
 
-  std::vector<RecordedForce> contacts;
-  std::vector<RecordedParts> parts;  // per contact, or empty
-  std::vector<RecordedTurn> turns;   // per contact, or empty
-  std::vector<double> numbers;       // history of law and rolling model of each contact
+  DynArray<RecordedForce> contacts;
+  DynArray<RecordedParts> parts;  // per contact, or empty
+  DynArray<RecordedTurn> turns;   // per contact, or empty
+  DynArray<double> numbers;       // history of law and rolling model of each contact
 
  private:
   std::int64_t step_ = none;

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/engine/contact/kinematics.hpp>
 #include <silt/engine/contact/step_times.hpp>
@@ -51,7 +51,7 @@ struct NoImpacts {
 };
 /// Impacts of one stage, in the order of its lists.
 struct ImpactNotes {
-  std::vector<NotedImpact> all;
+  DynArray<NotedImpact> all;
   void add(const ImpactNotes& more) { all.insert(all.end(), more.all.begin(), more.all.end()); }
 };
 template <class ContactsType>

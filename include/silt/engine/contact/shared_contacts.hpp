@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/engine/lists/wall_look.hpp>
@@ -54,7 +54,7 @@ class SharedContacts {
     });
     for (std::size_t b = 0; b < bodies; ++b) begin_[b + 1] += begin_[b];
     entries_.resize(begin_[bodies]);
-    std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
+    DynArray<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
     list.for_each([&](std::size_t k) {
       const std::uint32_t a = body(list.first()[k]), b = body(list.second()[k]);
       const std::uint32_t low = std::min(a, b), high = std::max(a, b);
@@ -77,8 +77,8 @@ class SharedContacts {
     shares_.assign(list.padded_size(), 1);
     constexpr std::size_t piece = 64;
     team.for_parts((groups_.size() + piece - 1) / piece, [&](std::size_t p) {
-      std::vector<double> strengths;
-      std::vector<std::uint32_t> places;
+      DynArray<double> strengths;
+      DynArray<std::uint32_t> places;
       for (std::size_t g = p * piece; g < std::min(groups_.size(), (p + 1) * piece); ++g) {
         strengths.clear(), places.clear();
         for (std::uint32_t e = groups_[g].from; e < groups_[g].to; ++e) {
@@ -176,12 +176,12 @@ class SharedContacts {
     }
   };
 
-  std::vector<std::uint32_t> begin_;  // entries of each body, at the body with the lower place
-  std::vector<Entry> entries_;
-  std::vector<Group> groups_;
+  DynArray<std::uint32_t> begin_;  // entries of each body, at the body with the lower place
+  DynArray<Entry> entries_;
+  DynArray<Group> groups_;
   AlignedVector<Scalar> shares_;
-  std::vector<Found> found_;
-  std::vector<double> strengths_;  // for found_
+  DynArray<Found> found_;
+  DynArray<double> strengths_;  // for found_
   double wall_exponent_ = 2.5;
 };
 

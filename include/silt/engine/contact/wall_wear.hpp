@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <vector>
 
 #include <silt/boundary/wall.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/lists/wall_candidate.hpp>
 #include <silt/module/concept.hpp>
 
@@ -114,7 +114,7 @@ class WallWear<Fluxes, true> {
     std::size_t wall, place;
     double volume;  // [m3]
   };
-  std::vector<std::vector<Note>> notes_;  // per block
+  DynArray<DynArray<Note>> notes_;  // per block
 };
 
 }  // namespace silt::detail

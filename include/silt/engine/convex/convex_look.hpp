@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/convex/convex_walls.hpp>
 #include <silt/engine/state/body.hpp>
 #include <silt/shape/narrow/solid_pairs.hpp>
@@ -33,7 +33,7 @@ class RowsBefore {
   static constexpr bool has_levers = Rows::has_levers;
   AlignedVector<PoseRow> pose;
   AlignedVector<LeverRow> lever;
-  std::vector<Vec3d> centre;  // [m]
+  DynArray<Vec3d> centre;  // [m]
   Exponents exponents;
 
   RowsBefore(const EngineType& e, double back)

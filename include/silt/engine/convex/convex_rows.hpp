@@ -9,8 +9,8 @@
 #include <tuple>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/row4.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
@@ -122,7 +122,7 @@ struct ConvexRows<KindList<Kind...>, OnePart> {
   AlignedVector<PoseRow> pose;            // of each row, and of two more for padding pairs
   AlignedVector<LeverRow> lever;          // of each row, and of two more, if has_levers
   AlignedVector<Form> form;               // of each row, or a single one for all
-  std::vector<std::uint8_t> kind;         // of each row, if there are several
+  DynArray<std::uint8_t> kind;            // of each row, if there are several
   AlignedVector<double> pace;             // [m/s] see measure_pace()
   Exponents exponents = Exponents::Ball;  // the most general of all parts
   double least_radius = 0;                // [m] of the smallest inscribed sphere

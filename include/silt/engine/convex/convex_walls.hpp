@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/contact/contact_fluxes.hpp>
 #include <silt/engine/contact/contact_stage.hpp>
 #include <silt/engine/contact/load_rows.hpp>
@@ -377,8 +377,8 @@ class ConvexWalls {
   }
 
   [[no_unique_address]] WallWear<Fluxes> wear_;
-  std::vector<WallLoad> loads_;               // per block and wall
-  std::vector<Tally<ContactsType>> tallies_;  // per block
+  DynArray<WallLoad> loads_;               // per block and wall
+  DynArray<Tally<ContactsType>> tallies_;  // per block
 };
 
 }  // namespace silt::detail

@@ -10,9 +10,9 @@
 #include <tuple>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include <silt/bond/concept.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/core/members.hpp>
 #include <silt/core/position_row.hpp>
@@ -167,7 +167,7 @@ class BondList {
     for_each([&](std::size_t k) {
       if (goes(bond(k))) remove(k);
     });
-    size_ -= std::erase_if(waiting_, goes);
+    size_ -= erase_if(waiting_, goes);
   }
 
   const PairGroups& groups() const { return groups_; }
@@ -206,7 +206,7 @@ class BondList {
   /// Calls visit(bond) for each, in order of creation.
   template <class Visit>
   void for_each_in_order(const Visit& visit) const {
-    std::vector<Bond> all;
+    DynArray<Bond> all;
     all.reserve(size_);
     for_each([&](std::size_t k) { all.push_back(bond(k)); });
     std::sort(all.begin(), all.end(),
@@ -224,7 +224,7 @@ class BondList {
     if (waiting_.empty() && !is_stale_ && changes_ == changes && rows_ == rows && left_ == left)
       return;
     groups_ = PairGroups(owned, rows - owned);
-    std::vector<Place> order;
+    DynArray<Place> order;
     order.reserve(size_);
     const std::size_t places = ids_.size();
     const auto take = [&](const Bond& b, std::size_t source) {
@@ -258,11 +258,11 @@ class BondList {
     std::uint32_t group, first, second, source;
   };
   /// Lays the bonds out in the order of `order`, which is sorted here.
-  void lay_out(std::vector<Place>& order) {
+  void lay_out(DynArray<Place>& order) {
     std::sort(order.begin(), order.end(), [](const Place& a, const Place& b) {
       return std::tie(a.group, a.first, a.second) < std::tie(b.group, b.first, b.second);
     });
-    std::vector<std::size_t> count(groups_.count(), 0);
+    DynArray<std::size_t> count(groups_.count(), 0);
     for (const Place& p : order) ++count[p.group];
     group_.resize(groups_.count());
     std::size_t next = 0;
@@ -272,7 +272,7 @@ class BondList {
     }
     const std::size_t places = ids_.size();
     BondColumnsOf<Model, W> columns;
-    std::vector<Ids> ids(next, nobody);
+    DynArray<Ids> ids(next, nobody);
     columns.clear(next / W, any_turned_);
     const auto none = static_cast<std::uint32_t>(rows_);
     first_.assign(next + ahead, none), second_.assign(next + ahead, none + 1);
@@ -289,10 +289,10 @@ class BondList {
   }
 
   PairGroups groups_;
-  std::vector<Group> group_;
+  DynArray<Group> group_;
   std::deque<Bond> waiting_;  // added since the last sorting
-  std::vector<Ids> ids_;
-  std::vector<std::uint32_t> first_, second_;  // rows of the ends
+  DynArray<Ids> ids_;
+  DynArray<std::uint32_t> first_, second_;  // rows of the ends
   BondColumnsOf<Model, W> columns_;
   std::size_t size_ = 0, rows_ = 0, left_ = 0;
   std::uint64_t changes_ = 0;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <silt/boundary/deforming_box.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/search/concept.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -63,8 +64,8 @@ class BoxImages {
         }
   }
 
-  std::vector<PositionRow> all_;
-  std::vector<std::uint32_t> of_;  // sphere of each image
+  DynArray<PositionRow> all_;
+  DynArray<std::uint32_t> of_;  // sphere of each image
 };
 
 }  // namespace silt::detail

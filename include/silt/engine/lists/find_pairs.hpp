@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <numeric>
 #include <span>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/lists/near_lists.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -89,10 +89,9 @@ void NearLists<Composition, Pairs, Walls, Mover>::find_walls(const Scene& scene,
                scene.team, particles.size());
   if constexpr (State::of_ranks) walls.take_in(change_.walls_brought());
   if constexpr (State::bonded)
-    std::erase_if(walls.found(),
-                  [&bonds = particles.bonds, &id = particles.id](const WallCandidate& c) {
-                    return bonds.holds(id[c.particle], bonds.id_of_wall(c.wall));
-                  });
+    erase_if(walls.found(), [&bonds = particles.bonds, &id = particles.id](const WallCandidate& c) {
+      return bonds.holds(id[c.particle], bonds.id_of_wall(c.wall));
+    });
 }
 
 template <class Composition, class Pairs, class Walls, class Mover>
@@ -138,9 +137,9 @@ void NearLists<Composition, Pairs, Walls, Mover>::add_ghosts(const Scene& scene)
 /// The owned rows, grown until those of particles that modules see together, or will before the
 /// next search, overlap.
 template <class Composition, class Pairs, class Walls, class Mover>
-std::vector<PositionRow> NearLists<Composition, Pairs, Walls, Mover>::grown_by_modules(
+DynArray<PositionRow> NearLists<Composition, Pairs, Walls, Mover>::grown_by_modules(
     const Scene& scene) const {
-  std::vector<PositionRow> rows(grown_.begin(), grown_.end());
+  DynArray<PositionRow> rows(grown_.begin(), grown_.end());
   for (std::size_t k = 0; k < rows.size(); ++k) {
     double radius, aside = 0;
     if constexpr (State::of_bodies) {

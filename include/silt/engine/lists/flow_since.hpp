@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include <silt/boundary/deforming_box.hpp>
+#include <silt/core/dyn_array.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -44,7 +44,7 @@ struct FlowSince {
   }
 
   static constexpr std::size_t state_size = 9;
-  void put_state(std::vector<double>& out) const {
+  void put_state(DynArray<double>& out) const {
     for (const double v : map.values()) out.push_back(v);
     out.insert(out.end(), {searched, pruned, tightest});
   }

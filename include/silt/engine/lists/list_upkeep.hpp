@@ -11,6 +11,7 @@
 #include <silt/boundary/motion.hpp>
 #include <silt/boundary/wall.hpp>
 #include <silt/core/box.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/engine/lists/wall_images.hpp>
 #include <silt/engine/state/rows.hpp>
@@ -205,12 +206,12 @@ class WallMarks {
   const Box& region() const { return region_; }
   /// The region extended by the points of a wall whose images may lie in it.
   Box region_of(const Wall& wall) const { return region_with_images(region_, wall, period); }
-  void restore(std::vector<Pose> poses, const Box& region) {
+  void restore(DynArray<Pose> poses, const Box& region) {
     poses_ = std::move(poses), region_ = region;
   }
 
  private:
-  std::vector<Pose> poses_;
+  DynArray<Pose> poses_;
   Box region_;
 };
 

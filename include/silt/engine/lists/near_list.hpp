@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <silt/boundary/deforming_box.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/engine/lists/box_images.hpp>
@@ -21,7 +22,7 @@ namespace silt::inline SILT_TARGET::detail {
 /// The particles among which a list is made: those of this process, and behind them, with several
 /// ranks, those of others that its own may be near to.
 struct NearParticles {
-  std::vector<Seen> seen;  // id: no_particle where a place is empty
+  DynArray<Seen> seen;  // id: no_particle where a place is empty
   std::size_t own = 0;
 };
 
@@ -180,7 +181,7 @@ class NearList {
       const std::uint32_t a = places_[p.a], b = places_[p.b];
       p = {std::min(a, b), std::max(a, b)};
     }
-    if (own_ < n) std::erase_if(found_, [this](const IndexPair& p) { return p.a >= own_; });
+    if (own_ < n) erase_if(found_, [this](const IndexPair& p) { return p.a >= own_; });
     for (const IndexPair& p : found_) ++first_[p.a + 1], ++into_first_[p.b + 1];
     for (std::size_t k = 0; k < n; ++k)
       first_[k + 1] += first_[k], into_first_[k + 1] += into_first_[k];
@@ -202,12 +203,12 @@ class NearList {
   double skin_ = 0, share_ = 0.1, largest_ = 0;  // [m], [-] of the cut-off, [m] of grown spheres
   std::size_t looks_ = 0;                        // since the list was made
   std::size_t own_ = 0;                          // particles that are not ghosts
-  std::vector<ParticleId> ids_;                  // at each place, when the list was made
-  std::vector<PositionRow> from_;                // positions at that time
-  std::vector<std::size_t> first_, into_first_, next_;
-  std::vector<std::uint32_t> second_, into_;
-  std::vector<PositionRow> rows_;  // of the particles present, wrapped and grown
-  std::vector<std::uint32_t> places_;
+  DynArray<ParticleId> ids_;                     // at each place, when the list was made
+  DynArray<PositionRow> from_;                   // positions at that time
+  DynArray<std::size_t> first_, into_first_, next_;
+  DynArray<std::uint32_t> second_, into_;
+  DynArray<PositionRow> rows_;  // of the particles present, wrapped and grown
+  DynArray<std::uint32_t> places_;
   std::vector<IndexPair> found_;
   HashedGrid grid_;
   BoxImages images_;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <silt/boundary/wall.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/engine/lists/box_images.hpp>
 #include <silt/engine/lists/flow_since.hpp>
@@ -116,7 +117,7 @@ class NearLists {
   /// kept even if the next step searches.
   void join_pairs(const Scene& scene, std::span<const IndexPair> broken,
                   const typename Pairs::Memory& start) {
-    std::vector<NewPair> more;
+    DynArray<NewPair> more;
     for (const IndexPair& p : broken) more.push_back({p, true});
     pairs.join(more, scene.particles.size(), start);
     renewed_ = true;
@@ -331,7 +332,7 @@ class NearLists {
   }
   void change_ranks(const Scene& scene, std::int64_t step);
   void add_ghosts(const Scene& scene);
-  std::vector<PositionRow> grown_by_modules(const Scene& scene) const;
+  DynArray<PositionRow> grown_by_modules(const Scene& scene) const;
 
   void drop_parked(const Scene& scene);
 
@@ -371,10 +372,11 @@ class NearLists {
   [[no_unique_address]] std::conditional_t<State::of_ranks, Change, NoChange> change_;
   [[no_unique_address]] std::conditional_t<flows, BoxImages, NoFlow> images_;
   std::vector<IndexPair> found_;
-  std::vector<std::uint32_t> order_, previous_;
-  std::vector<double> speeds_, anticipated_;  // [m/s]
-  AlignedVector<PositionRow> grown_;          // positions, with radii grown by outer or inner reach
-  double largest_grown_ = 0;                  // [m]
+  std::vector<std::uint32_t> order_;
+  DynArray<std::uint32_t> previous_;
+  DynArray<double> speeds_, anticipated_;  // [m/s]
+  AlignedVector<PositionRow> grown_;       // positions, with radii grown by outer or inner reach
+  double largest_grown_ = 0;               // [m]
   bool first_pruning_ = true, renewed_ = false;
 };
 

@@ -5,8 +5,8 @@
 #include <array>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/engine/lists/list_upkeep.hpp>
 #include <silt/search/concept.hpp>
@@ -54,15 +54,15 @@ class Newcomers {
   }
 
   /// In the order of the lower row, for any number of threads.
-  std::vector<NewPair> pairs(const Team& team) const {
-    std::array<std::vector<NewPair>, Team::most_ranges> found;
+  DynArray<NewPair> pairs(const Team& team) const {
+    std::array<DynArray<NewPair>, Team::most_ranges> found;
     team.for_ranges(in_.particles.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
       for (std::size_t i = from; i < to; ++i)
         if (in_.particles.position[i].r > 0)
           for_near_in_x(i,
                         [&](std::uint32_t k) { look(static_cast<std::uint32_t>(i), k, found[r]); });
     });
-    std::vector<NewPair> all;
+    DynArray<NewPair> all;
     for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
     return all;
   }
@@ -103,7 +103,7 @@ class Newcomers {
     }
   }
 
-  void look(std::uint32_t i, std::uint32_t k, std::vector<NewPair>& found) const {
+  void look(std::uint32_t i, std::uint32_t k, DynArray<NewPair>& found) const {
     if (k <= i && i >= first_) return;  // each pair once; no particle with itself
     const State& p = in_.particles;
     if constexpr (State::of_bodies)
@@ -122,8 +122,8 @@ class Newcomers {
 
   Input in_;
   std::size_t first_;
-  std::vector<std::pair<double, std::uint32_t>> by_x_;  // [m], row
-  double window_ = 0;                                   // [m]
+  DynArray<std::pair<double, std::uint32_t>> by_x_;  // [m], row
+  double window_ = 0;                                // [m]
 };
 
 }  // namespace silt::detail

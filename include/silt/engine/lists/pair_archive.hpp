@@ -6,8 +6,8 @@
 #include <numeric>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
 
@@ -43,12 +43,12 @@ class PairArchive {
   void add(std::span<const Brought> more) {
     if constexpr (H > 0) {
       if (more.empty()) return;
-      std::vector<std::uint32_t> begin(end_.size() + 1, 0);
+      DynArray<std::uint32_t> begin(end_.size() + 1, 0);
       for (std::size_t a = 0; a < end_.size(); ++a)
         begin[a + 1] = end_[a] - (a == 0 ? 0 : end_[a - 1]);
       for (const Brought& m : more) ++begin[m.a + 1];
       std::partial_sum(begin.begin(), begin.end(), begin.begin());
-      std::vector<Kept> all(begin.back());
+      DynArray<Kept> all(begin.back());
       for (std::size_t a = 0; a < end_.size(); ++a)
         for (std::uint32_t s = a == 0 ? 0 : end_[a - 1]; s < end_[a]; ++s)
           all[begin[a]++] = kept_[s];
@@ -70,8 +70,8 @@ class PairArchive {
     std::uint32_t partner;
     std::array<Scalar, H> history;
   };
-  std::vector<std::uint32_t> end_;  // of each row
-  std::vector<Kept> kept_;
+  DynArray<std::uint32_t> end_;  // of each row
+  DynArray<Kept> kept_;
 };
 
 }  // namespace silt::detail

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/target.hpp>
 #include <silt/core/threads.hpp>
 
@@ -113,7 +113,7 @@ enum class PairsOf { All, Own, Ghosts };
 template <class Tally, PairsOf Which = PairsOf::All, class List, class Run>
 Tally sum_over_groups(const List& list, const Team& team, const Run& run) {
   const PairGroups& groups = list.groups();
-  std::vector<Tally> tallies(groups.count());
+  DynArray<Tally> tallies(groups.count());
   const std::size_t first = Which == PairsOf::Ghosts ? groups.own_phases() : 0,
                     end = Which == PairsOf::Own ? groups.own_phases() : groups.phases();
   for (std::size_t p = first; p < end; ++p) {

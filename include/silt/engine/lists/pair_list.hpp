@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <silt/core/compress.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/row4.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/engine/lists/newcomers.hpp>
@@ -168,8 +169,8 @@ class PairList {
     std::uint64_t grouped;  // particles at the search, which determines the groups
     std::uint64_t owned;    // number of owned ones; the others are ghosts
     std::vector<IndexPair> outer;
-    std::vector<std::uint32_t> origin;  // place of each inner pair in the outer list
-    std::array<std::vector<double>, H> history;
+    DynArray<std::uint32_t> origin;  // place of each inner pair in the outer list
+    std::array<DynArray<double>, H> history;
   };
   State state() const {
     State s{grouped_, owned_, outer_, {}, {}};
@@ -182,7 +183,7 @@ class PairList {
   /// Lists of only those pairs that have a history; the next search continues from them.
   static State state_of(std::span<const Brought> pairs, std::size_t particles) {
     const PairGroups groups(particles);
-    std::vector<std::uint32_t> order(pairs.size());
+    DynArray<std::uint32_t> order(pairs.size());
     std::iota(order.begin(), order.end(), 0u);
     std::stable_sort(order.begin(), order.end(), [&](std::uint32_t p, std::uint32_t q) {
       return groups.of(pairs[p].a, pairs[p].b) < groups.of(pairs[q].a, pairs[q].b);
@@ -248,10 +249,10 @@ class PairList {
   }
 
   /// Makes room for more[g] pairs at the end of each group of the outer list; returns the places.
-  std::vector<std::size_t> make_way_outer(std::span<const std::size_t> more);
+  DynArray<std::size_t> make_way_outer(std::span<const std::size_t> more);
   /// The same in the inner list; its origins follow the moves in the outer one.
-  std::vector<std::size_t> make_way_inner(std::span<const std::size_t> more,
-                                          std::span<const std::size_t> outer_more);
+  DynArray<std::size_t> make_way_inner(std::span<const std::size_t> more,
+                                       std::span<const std::size_t> outer_more);
 
   /// Assigns each chunk and group its place in the inner list, from the number of pairs that each
   /// chunk keeps.
@@ -342,14 +343,14 @@ class PairList {
   PairGroups groups_;
   std::size_t grouped_ = 0, owned_ = 0;  // particles for which the groups were made
   std::vector<IndexPair> outer_;
-  std::vector<std::size_t> outer_begin_;  // first outer pair of each group
-  std::vector<Chunk> chunks_;
-  std::vector<std::uint16_t> group_;  // of the pairs found last
-  std::vector<std::uint32_t> kept_;
-  std::vector<Group> inner_group_;
+  DynArray<std::size_t> outer_begin_;  // first outer pair of each group
+  DynArray<Chunk> chunks_;
+  DynArray<std::uint16_t> group_;  // of the pairs found last
+  DynArray<std::uint32_t> kept_;
+  DynArray<Group> inner_group_;
   std::size_t size_ = 0;  // number of pairs without padding
   AlignedVector<std::uint32_t> first_, second_;
-  std::vector<std::uint32_t> origin_, old_origin_;  // place in the outer list
+  DynArray<std::uint32_t> origin_, old_origin_;  // place in the outer list
   History history_, old_history_;
   PairArchive<H, Scalar> archive_;
 };

@@ -10,8 +10,8 @@
 #include <numeric>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/lists/pair_list.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -19,7 +19,7 @@ namespace silt::inline SILT_TARGET::detail {
 template <std::size_t H, class Scalar, HistoryRows InRows>
 void PairList<H, Scalar, InRows>::make_way(std::size_t first, std::size_t more,
                                            std::size_t particles) {
-  std::vector<Brought> known;
+  DynArray<Brought> known;
   const auto moved = [&](std::uint32_t row) {
     return row >= first ? row + static_cast<std::uint32_t>(more) : row;
   };
@@ -32,13 +32,13 @@ void PairList<H, Scalar, InRows>::make_way(std::size_t first, std::size_t more,
 template <std::size_t H, class Scalar, HistoryRows InRows>
 inline void PairList<H, Scalar, InRows>::join(std::span<const NewPair> more, std::size_t particles,
                                               const std::array<Scalar, H>& start) {
-  std::vector<std::size_t> outer_more(groups_.count(), 0), inner_more(groups_.count(), 0);
+  DynArray<std::size_t> outer_more(groups_.count(), 0), inner_more(groups_.count(), 0);
   for (const NewPair& p : more) {
     const std::size_t g = groups_.of(p.pair.a, p.pair.b);
     ++outer_more[g], inner_more[g] += p.near;
   }
-  std::vector<std::size_t> outer_end = make_way_outer(outer_more);
-  std::vector<std::size_t> inner_end = make_way_inner(inner_more, outer_more);
+  DynArray<std::size_t> outer_end = make_way_outer(outer_more);
+  DynArray<std::size_t> inner_end = make_way_inner(inner_more, outer_more);
   for (const NewPair& p : more) {
     const std::size_t g = groups_.of(p.pair.a, p.pair.b), place = outer_end[g]++;
     outer_[place] = p.pair;
@@ -73,9 +73,9 @@ inline void PairList<H, Scalar, InRows>::leave(std::span<const std::uint32_t> ro
 }
 
 template <std::size_t H, class Scalar, HistoryRows InRows>
-std::vector<std::size_t> PairList<H, Scalar, InRows>::make_way_outer(
+DynArray<std::size_t> PairList<H, Scalar, InRows>::make_way_outer(
     std::span<const std::size_t> more) {
-  std::vector<std::size_t> end(groups_.count());
+  DynArray<std::size_t> end(groups_.count());
   std::size_t shift = std::accumulate(more.begin(), more.end(), std::size_t(0));
   outer_.resize(outer_.size() + shift);
   outer_begin_.resize(groups_.count() + 1, 0);
@@ -93,9 +93,9 @@ std::vector<std::size_t> PairList<H, Scalar, InRows>::make_way_outer(
 }
 
 template <std::size_t H, class Scalar, HistoryRows InRows>
-std::vector<std::size_t> PairList<H, Scalar, InRows>::make_way_inner(
+DynArray<std::size_t> PairList<H, Scalar, InRows>::make_way_inner(
     std::span<const std::size_t> more, std::span<const std::size_t> outer_more) {
-  std::vector<Group> now(groups_.count());
+  DynArray<Group> now(groups_.count());
   inner_group_.resize(groups_.count());
   std::size_t next = 0, outer_shift = 0;
   for (std::size_t g = 0; g < groups_.count(); ++g) {
@@ -111,7 +111,7 @@ std::vector<std::size_t> PairList<H, Scalar, InRows>::make_way_inner(
   const std::size_t padded = std::max(pieces(next, padding) * padding, origin_.size());
   first_.resize(padded + ahead), second_.resize(padded + ahead);
   origin_.resize(padded), history_.extend(padded);
-  std::vector<std::size_t> end(groups_.count());
+  DynArray<std::size_t> end(groups_.count());
   for (std::size_t g = groups_.count(); g-- > 0;) {
     const auto [from, to] = inner_group_[g];
     const std::size_t shift = now[g].from - from;

@@ -8,9 +8,9 @@
 #include <tuple>
 #include <utility>
 #include <variant>
-#include <vector>
 
 #include <silt/boundary/wall.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/lists/wall_candidate.hpp>
 
 /// Which candidates are spheres near planes at rest and near nothing else, and their order.
@@ -42,11 +42,11 @@ bool are_planes(std::span<const Wall> walls, std::span<const Candidate> of_one) 
 /// Moves the candidates at planes to the end, in pieces, and plane by plane within a piece; without
 /// `apart` there are none. Returns the first candidate of each piece, and the end.
 template <class Candidate>
-std::vector<std::size_t> put_planes_last(std::span<const Wall> walls, bool apart,
-                                         std::vector<Candidate>& all) {
+DynArray<std::size_t> put_planes_last(std::span<const Wall> walls, bool apart,
+                                      DynArray<Candidate>& all) {
   constexpr std::size_t piece_size = 256;  // approximate number of candidates
-  std::vector<Candidate> others, at_planes;
-  std::vector<std::size_t> begin{0};
+  DynArray<Candidate> others, at_planes;
+  DynArray<std::size_t> begin{0};
   for (std::size_t k = 0, next = 0; k < all.size(); k = next) {
     while (next < all.size() && all[next].particle == all[k].particle) ++next;
     const std::span<const Candidate> of_one{all.data() + k, next - k};

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/engine/lists/pair_groups.hpp>
@@ -17,8 +18,8 @@ namespace silt::inline SILT_TARGET::detail {
 /// Pairs sorted into groups.
 struct GroupedPairs {
   std::vector<IndexPair>& pairs;
-  std::vector<std::size_t>& begin;    // first pair of each group, and the end
-  std::vector<std::uint16_t>& group;  // of each pair in the order of the search
+  DynArray<std::size_t>& begin;    // first pair of each group, and the end
+  DynArray<std::uint16_t>& group;  // of each pair in the order of the search
 };
 
 /// Sorts pairs by group (stable), the particle with the lower id first. Pairs of two fixed
@@ -40,7 +41,7 @@ void sort_into_groups(std::span<const IndexPair> found, const State& particles,
   };
   const std::size_t count = groups.count() + 1;  // one more for the pairs left out
   make_room(out.group, found.size());
-  std::vector<std::size_t> next(Team::most_ranges * count, 0);  // per range and group
+  DynArray<std::size_t> next(Team::most_ranges * count, 0);  // per range and group
   team.for_ranges(found.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
     for (std::size_t k = from; k < to; ++k)
       ++next[r * count + (out.group[k] = static_cast<std::uint16_t>(group_of(found[k])))];

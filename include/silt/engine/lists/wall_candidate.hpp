@@ -5,9 +5,9 @@
 #include <span>
 #include <tuple>
 #include <type_traits>
-#include <vector>
 
 #include <silt/boundary/wall.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/position_row.hpp>
 #include <silt/engine/lists/wall_images.hpp>
 
@@ -46,8 +46,8 @@ inline Vec3d in_wall(const Wall& wall, const Vec3d& point) {
 /// The result of one range of spheres or candidates, with its own pool of triangles.
 template <class Candidate>
 struct WallFinds {
-  std::vector<Candidate> candidates;
-  std::vector<std::uint32_t> facets, near;
+  DynArray<Candidate> candidates;
+  DynArray<std::uint32_t> facets, near;
   void clear() { candidates.clear(), facets.clear(); }
   void add(Candidate c, std::span<const std::uint32_t> of) {
     c.facets = static_cast<std::uint32_t>(facets.size());

@@ -7,9 +7,9 @@
 #include <span>
 #include <tuple>
 #include <type_traits>
-#include <vector>
 
 #include <silt/boundary/wall.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/engine/lists/pair_list.hpp>
@@ -122,9 +122,9 @@ class WallContacts {
   }
 
   /// Makes lists of only these contacts; the next search continues from them.
-  void remember(std::vector<Kept> contacts, std::span<const Wall> walls, std::size_t particles);
+  void remember(DynArray<Kept> contacts, std::span<const Wall> walls, std::size_t particles);
 
-  std::vector<Candidate>& found() { return outer_; }  // by the last search; some may be removed
+  DynArray<Candidate>& found() { return outer_; }  // by the last search; some may be removed
 
   /// Adds the spheres from `first` on, which were added since the search; prune() must follow.
   template <class Domain>
@@ -178,11 +178,11 @@ class WallContacts {
 
   /// State for a checkpoint: candidates, facets and slots as they stand.
   struct State {
-    std::vector<Candidate> outer, inner;
-    std::vector<std::uint32_t> outer_facets, inner_facets;
-    std::vector<Slot> slots;
-    std::array<std::vector<double>, H> history;
-    std::vector<std::uint64_t> pieces;  // first candidate at planes of each piece, and the end
+    DynArray<Candidate> outer, inner;
+    DynArray<std::uint32_t> outer_facets, inner_facets;
+    DynArray<Slot> slots;
+    std::array<DynArray<double>, H> history;
+    DynArray<std::uint64_t> pieces;  // first candidate at planes of each piece, and the end
   };
   State state() const;
   void restore(State s, std::span<const Wall> walls, std::size_t particles);
@@ -204,7 +204,7 @@ class WallContacts {
 
  private:
   /// Joins the results of the ranges, in order.
-  void collect(std::vector<Candidate>& candidates, std::vector<std::uint32_t>& facets) {
+  void collect(DynArray<Candidate>& candidates, DynArray<std::uint32_t>& facets) {
     candidates.clear(), facets.clear();
     for (WallFinds<Candidate>& found : found_) {
       const auto offset = static_cast<std::uint32_t>(facets.size());
@@ -293,7 +293,7 @@ class WallContacts {
     for (const PlaneRun& run : runs_)
       for (std::size_t s = run.from; s < run.to; ++s)
         if (remembers(s)) slots_[s] = {run.normal, true};
-    std::vector<std::uint32_t> inner(outer_.size(), no_place);  // place in the inner list
+    DynArray<std::uint32_t> inner(outer_.size(), no_place);  // place in the inner list
     for (std::uint32_t k = 0; k < inner_.size(); ++k) inner[inner_[k].origin] = k;
     archive_.clear(), archived_.assign(outer_.size() + 1, 0);
     for (std::size_t o = 0; o < outer_.size(); ++o) {
@@ -352,22 +352,22 @@ class WallContacts {
     return static_cast<std::ptrdiff_t>(end - inner_[k].slot);
   }
 
-  std::vector<Candidate> outer_, inner_;
-  std::vector<std::uint32_t> outer_facets_, inner_facets_;
+  DynArray<Candidate> outer_, inner_;
+  DynArray<std::uint32_t> outer_facets_, inner_facets_;
   std::array<WallFinds<Candidate>, Team::most_ranges> found_;
   WallSearch<Repeats> images_;
-  std::vector<std::size_t> block_begin_;     // first candidate of each block
-  std::vector<std::size_t> piece_begin_{0};  // first candidate of each piece at planes
-  std::vector<PlaneRun> runs_;
-  std::vector<std::size_t> run_begin_{0};  // first run of each piece
-  std::vector<std::uint32_t> at_planes_;   // sphere of each slot at planes
+  DynArray<std::size_t> block_begin_;     // first candidate of each block
+  DynArray<std::size_t> piece_begin_{0};  // first candidate of each piece at planes
+  DynArray<PlaneRun> runs_;
+  DynArray<std::size_t> run_begin_{0};  // first run of each piece
+  DynArray<std::uint32_t> at_planes_;   // sphere of each slot at planes
   std::size_t first_plane_slot_ = 0;
   std::uint32_t particles_ = 0;
-  std::vector<Slot> slots_;
+  DynArray<Slot> slots_;
   std::array<AlignedVector<Scalar>, H> history_;
-  std::vector<Kept> archive_;
-  std::vector<std::uint32_t> archived_;  // first kept contact of each outer candidate
-  std::vector<std::uint32_t> previous_;
+  DynArray<Kept> archive_;
+  DynArray<std::uint32_t> archived_;  // first kept contact of each outer candidate
+  DynArray<std::uint32_t> previous_;
   bool renewed_ = false;
 };
 

@@ -9,14 +9,14 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/lists/wall_contacts.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
 template <std::size_t H, class Scalar, std::size_t PlaneSlots, std::size_t OtherSlots, bool Repeats>
-void WallContacts<H, Scalar, PlaneSlots, OtherSlots, Repeats>::remember(std::vector<Kept> contacts,
+void WallContacts<H, Scalar, PlaneSlots, OtherSlots, Repeats>::remember(DynArray<Kept> contacts,
                                                                         std::span<const Wall> walls,
                                                                         std::size_t particles) {
   particles_ = static_cast<std::uint32_t>(particles);

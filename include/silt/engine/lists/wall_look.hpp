@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <span>
 #include <type_traits>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/lists/wall_contacts.hpp>
 #include <silt/engine/lists/wall_seams.hpp>
 
@@ -48,7 +48,7 @@ void for_each_contact_of_images(const EngineType& e, std::span<const Candidate> 
     for_each_contact_with(e, c, back, visit);
   } else {
     if (images.size() == 1) return for_each_contact_with(e, c, back, visit);
-    std::vector<Touch> found;
+    DynArray<Touch> found;
     for (std::size_t k = 0; k < images.size(); ++k)
       for_each_contact_with(e, images[k], back, [&](const WallCandidate&, const SurfacePoint& p) {
         found.push_back({p, k, false});

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <span>
-#include <vector>
 
 #include <silt/boundary/wall.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/lists/wall_candidate.hpp>
 #include <silt/engine/lists/wall_images.hpp>
 
@@ -63,7 +63,7 @@ class WallSearch {
   }
 
  private:
-  std::vector<ImageRange> images_;  // per surface, wall by wall
+  DynArray<ImageRange> images_;  // per surface, wall by wall
 };
 
 }  // namespace silt::detail

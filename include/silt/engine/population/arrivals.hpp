@@ -7,8 +7,8 @@
 #include <limits>
 #include <span>
 #include <string>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/names.hpp>
 #include <silt/core/quaternion.hpp>
 #include <silt/core/random.hpp>
@@ -22,7 +22,7 @@ namespace silt::inline SILT_TARGET::detail {
 
 /// The form names of an engine after further ones are added; nothing else is changed yet.
 struct NamesToCome {
-  std::vector<std::string> of;
+  DynArray<std::string> of;
 
   /// Whether a new form with this name may be the same as form k: an unnamed form matches any name.
   bool may_be(std::size_t k, const std::string& name) const {
@@ -43,8 +43,8 @@ struct NamesToCome {
 /// returned; two forms with different names stay separate. Spheres have no forms. Throws
 /// InputError, with nothing changed, if a name belongs to another form.
 template <class Engine, class ParticlesType>
-std::vector<std::size_t> take_in_forms(Engine& e, const ParticlesType& more) {
-  std::vector<std::size_t> numbers;
+DynArray<std::size_t> take_in_forms(Engine& e, const ParticlesType& more) {
+  DynArray<std::size_t> numbers;
   if constexpr (Engine::of_bodies) {
     auto& forms = e.mover.forms;
     const std::size_t known = added_forms(e.mover);
@@ -201,10 +201,10 @@ void take_in_own(Engine& e, std::span<const Particle> more, std::span<const std:
 /// The particles that an inlet creates at these places, with `velocity` [m/s] and its scatter;
 /// bodies with random orientations.
 template <class Particle>
-std::vector<Particle> particles_at(const std::vector<PlacedSphere>& places,
-                                   const std::vector<std::size_t>& kinds, const InletFlow& flow,
-                                   const Vec3d& velocity, [[maybe_unused]] Random& random) {
-  std::vector<Particle> more;
+DynArray<Particle> particles_at(const DynArray<PlacedSphere>& places,
+                                const DynArray<std::size_t>& kinds, const InletFlow& flow,
+                                const Vec3d& velocity, [[maybe_unused]] Random& random) {
+  DynArray<Particle> more;
   for (std::size_t k = 0; k < places.size(); ++k) {
     const auto& s = places[k];
     const InletShare kind = flow.kind(kinds[k]);
@@ -227,9 +227,9 @@ std::vector<Particle> particles_at(const std::vector<PlacedSphere>& places,
 /// What may meet: the present particles and those that inlets will still create; the walls that
 /// have surfaces.
 template <class Engine>
-Meetings meetings_of(const Engine& e, const std::vector<Inlet>& inlets, std::size_t materials) {
-  Meetings all{std::vector<LightestSpheres>(materials), std::vector<bool>(materials, false),
-               std::vector<double>(materials, std::numeric_limits<double>::infinity())};
+Meetings meetings_of(const Engine& e, const DynArray<Inlet>& inlets, std::size_t materials) {
+  Meetings all{DynArray<LightestSpheres>(materials), DynArray<bool>(materials, false),
+               DynArray<double>(materials, std::numeric_limits<double>::infinity())};
   for (std::size_t k = 0; k < e.owners(); ++k) {
     const auto p = e.owner(k);
     if (!p.is_there()) continue;

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/parallel/comm.hpp>
 
 /// The forms of bodies: first those that users added, which are permanent, then those of cells from
@@ -35,16 +35,16 @@ void add_form(Mover& mover, const Form& form) {
 
 /// For each form whether a body has it, also one that has left but is still in the table.
 template <class Mover>
-std::vector<bool> used_forms(const Mover& mover) {
-  std::vector<bool> used(mover.forms.size(), false);
+DynArray<bool> used_forms(const Mover& mover) {
+  DynArray<bool> used(mover.forms.size(), false);
   for (const auto& b : mover.bodies) used[b.form] = true;
   return used;
 }
 /// The same of the bodies of all ranks (collective).
 template <class Mover, class Comm>
-std::vector<bool> used_forms(const Mover& mover, const Comm& comm) {
-  std::vector<bool> used = used_forms(mover);
-  std::vector<std::uint64_t> bits(used.size() / 64 + 1, 0);
+DynArray<bool> used_forms(const Mover& mover, const Comm& comm) {
+  DynArray<bool> used = used_forms(mover);
+  DynArray<std::uint64_t> bits(used.size() / 64 + 1, 0);
   for (std::size_t k = 0; k < used.size(); ++k) bits[k / 64] |= std::uint64_t{used[k]} << (k % 64);
   const auto all = gather(comm, std::span<const std::uint64_t>(bits));
   for (int r = 0; r < all.ranks(); ++r)
@@ -56,13 +56,13 @@ std::vector<bool> used_forms(const Mover& mover, const Comm& comm) {
 /// Adds the forms of new cells, which are all different: first in the places that no body uses,
 /// lowest first, then at the end. Returns the number of each. `used`: used_forms().
 template <class Mover, class Form>
-std::vector<std::size_t> take_in_cells(Mover& mover, const std::vector<Form>& cells,
-                                       const std::vector<bool>& used) {
+DynArray<std::size_t> take_in_cells(Mover& mover, const DynArray<Form>& cells,
+                                    const DynArray<bool>& used) {
   const std::size_t first = added_forms(mover);
   std::size_t end = used.size();
   while (end > first && !used[end - 1]) --end;
   mover.forms.erase(mover.forms.begin() + static_cast<std::ptrdiff_t>(end), mover.forms.end());
-  std::vector<std::size_t> numbers;
+  DynArray<std::size_t> numbers;
   for (std::size_t at = first; const Form& form : cells) {
     while (at < end && used[at]) ++at;
     if (at < end)

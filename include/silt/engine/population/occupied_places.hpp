@@ -7,9 +7,9 @@
 #include <string>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include <silt/boundary/deforming_box.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/engine/lists/wall_candidate.hpp>
 #include <silt/fill/packing.hpp>
@@ -32,9 +32,9 @@ void for_images(const Domain& domain, const Vec3d& p, const Visit& visit) {
 
 /// What blocked the insertion of one sphere of an inlet.
 struct Obstacles {
-  std::size_t particles = 0;       // [-] trials blocked by particles
-  std::vector<std::size_t> walls;  // [-] trials blocked by each wall
-  Vec3d last{0, 0, 0};             // [m] the last place blocked by a particle
+  std::size_t particles = 0;    // [-] trials blocked by particles
+  DynArray<std::size_t> walls;  // [-] trials blocked by each wall
+  Vec3d last{0, 0, 0};          // [m] the last place blocked by a particle
 
   void hit_wall(std::size_t w) {
     if (walls.size() <= w) walls.resize(w + 1, 0);
@@ -48,7 +48,7 @@ struct Obstacles {
 template <class Domain>
 struct OccupiedPlaces {
   const SphereGrid& spheres;
-  const std::vector<Wall>& walls;
+  const DynArray<Wall>& walls;
   const Domain& domain;
   Obstacles& met;
 
@@ -97,7 +97,7 @@ template <class Engine, class Domain>
 [[gnu::cold]] std::string who_is_at(const Engine& engine, const Domain& domain, const Vec3d& place,
                                     double reach) {
   constexpr std::size_t most = 3;
-  std::vector<ParticleId> ids;
+  DynArray<ParticleId> ids;
   const auto rows = engine.particles.rows();
   for (std::size_t r = 0; r < rows.size() && ids.size() < most; ++r) {
     if (!(rows[r].r > 0)) continue;

@@ -7,9 +7,9 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include <silt/core/box.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/random.hpp>
 #include <silt/engine/population/occupied_places.hpp>
@@ -47,12 +47,12 @@ struct InletFlow {
   std::uint64_t total = 0;    // [-] stops after this number; 0: never
   std::size_t material = 0;   // [-] index in the contacts' table
   std::uint64_t seed = 1;
-  std::size_t trials = 200;             // [-] occupied positions tried for one sphere
-  double interval = 0;                  // [s] between insertions; 0: time of flight over a diameter
-  std::size_t form = 0;                 // [-] for bodies, which get random orientations
-  double mass_rate = 0;                 // [kg/s] in place of `rate`
-  std::vector<InletShare> recipe = {};  // further kinds of particles
-  Vec3d angular_velocity{0, 0, 0};      // [rad/s]
+  std::size_t trials = 200;          // [-] occupied positions tried for one sphere
+  double interval = 0;               // [s] between insertions; 0: time of flight over a diameter
+  std::size_t form = 0;              // [-] for bodies, which get random orientations
+  double mass_rate = 0;              // [kg/s] in place of `rate`
+  DynArray<InletShare> recipe = {};  // further kinds of particles
+  Vec3d angular_velocity{0, 0, 0};   // [rad/s]
   Vec3d scatter{0, 0, 0};  // [m/s] each component of a velocity differs by up to this, uniformly
 
   std::size_t kinds() const { return 1 + recipe.size(); }
@@ -162,16 +162,16 @@ class Openings {
   }
   const Outlet& outlet(std::size_t k) const { return at("outlet", outlets_, k); }
   const Inlet& inlet(std::size_t k) const { return at("inlet", inlets_, k); }
-  std::vector<Outlet>& outlets() { return outlets_; }
+  DynArray<Outlet>& outlets() { return outlets_; }
   /// The first inlet whose region contains this position [m].
   std::optional<std::size_t> inlet_at(const Vec3d& place) const {
     for (std::size_t k = 0; k < inlets_.size(); ++k)
       if (inlets_[k].bounds.contains(place)) return k;
     return std::nullopt;
   }
-  std::vector<Inlet>& inlets() { return inlets_; }
-  const std::vector<Outlet>& outlets() const { return outlets_; }
-  const std::vector<Inlet>& inlets() const { return inlets_; }
+  DynArray<Inlet>& inlets() { return inlets_; }
+  const DynArray<Outlet>& outlets() const { return outlets_; }
+  const DynArray<Inlet>& inlets() const { return inlets_; }
 
   /// Before a step: removes particles at outlets if they may have moved, and inserts those that are
   /// due.
@@ -193,7 +193,7 @@ class Openings {
   template <class Engine, class Sim>
   void let_out(Engine& engine, Sim& sim) {
     if constexpr (Engine::of_ranks) {
-      const std::vector<Outlet> before = outlets_;
+      const DynArray<Outlet> before = outlets_;
       let_out_own(engine, sim);
       engine.ranks.share_left(outlets_, before);
       if constexpr (Sim::has_bonds)  // other ranks have their bonds and ghosts
@@ -262,8 +262,8 @@ class Openings {
         if (p.r > 0) occupy(p.centre(), p.r);
     }
     inlet.waiting = 0;
-    std::vector<PlacedSphere> placed;
-    std::vector<std::size_t> kinds;
+    DynArray<PlacedSphere> placed;
+    DynArray<std::size_t> kinds;
     Obstacles met;
     const Occupied all{occupied, engine.walls, sim.domain(), met};
     while (inlet.placed < due) {
@@ -301,9 +301,9 @@ class Openings {
     return std::max(d / std::max(speed, 1e-9), 1 / flow.rate);
   }
 
-  std::vector<Outlet> outlets_;
-  std::vector<Inlet> inlets_;
-  std::vector<Place> places_;
+  DynArray<Outlet> outlets_;
+  DynArray<Inlet> inlets_;
+  DynArray<Place> places_;
 };
 
 }  // namespace detail

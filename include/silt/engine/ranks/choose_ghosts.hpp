@@ -7,9 +7,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include <silt/core/box.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/position_row.hpp>
 #include <silt/parallel/comm.hpp>
 
@@ -18,16 +18,16 @@ namespace silt::inline SILT_TARGET::detail {
 /// The owned rows that each other rank needs as ghosts, because they may touch one of its
 /// particles. `grown`: the owned spheres, grown by their reaches (collective).
 template <class Comm, class Domain>
-std::vector<std::vector<std::uint32_t>> ghosts_in_reach(const Comm& comm,
-                                                        std::span<const PositionRow> grown,
-                                                        const Domain& domain) {
+DynArray<DynArray<std::uint32_t>> ghosts_in_reach(const Comm& comm,
+                                                  std::span<const PositionRow> grown,
+                                                  const Domain& domain) {
   Box own;
   double largest = 0;
   for (const PositionRow& p : grown) own.include(p.centre()), largest = std::max(largest, p.r);
   const std::array<double, 7> part{own.min.x, own.min.y, own.min.z, own.max.x,
                                    own.max.y, own.max.z, largest};
   const auto parts = gather(comm, std::span<const double>(part));
-  std::vector<std::vector<std::uint32_t>> to(static_cast<std::size_t>(comm.size()));
+  DynArray<DynArray<std::uint32_t>> to(static_cast<std::size_t>(comm.size()));
   for (int r = 0; r < comm.size(); ++r) {
     const auto other = parts[r];
     if (r == comm.rank() || !(other[0] <= other[3])) continue;  // that rank has no particles

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <span>
 #include <tuple>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/position_row.hpp>
 #include <silt/engine/ranks/choose_ghosts.hpp>
 #include <silt/engine/ranks/near_reach.hpp>
@@ -31,7 +31,7 @@ class NearOthers<ModuleList<Ms...>> {
     const auto& ranks = e.ranks;
     const auto forget = [&near] { (near.template of_others<Ms>().clear(), ...); };
     forget();  // what is left of a look that has thrown
-    std::vector<PositionRow> grown;
+    DynArray<PositionRow> grown;
     ranks.together("particles near each other", [&] {
       near.see(e, e.owners(), time);
       const NearReach reach = Near::reach(modules);
@@ -48,12 +48,12 @@ class NearOthers<ModuleList<Ms...>> {
  private:
   /// What each rank needs of this one's particles; `grown` has those that are present.
   template <class Near, class Engine, class Domain>
-  static std::vector<Packed> send(const Near& near, const Engine& e,
-                                  std::span<const PositionRow> grown, const Domain& domain) {
-    std::vector<std::uint32_t> present;
+  static DynArray<Packed> send(const Near& near, const Engine& e,
+                               std::span<const PositionRow> grown, const Domain& domain) {
+    DynArray<std::uint32_t> present;
     for (std::uint32_t k = 0; k < near.particles.own; ++k)
       if (near.particles.seen[k].id != no_particle) present.push_back(k);
-    std::vector<Packed> out;
+    DynArray<Packed> out;
     for (const auto& rows : ghosts_in_reach(e.ranks.comm(), grown, domain)) {
       out.emplace_back();
       for (const std::uint32_t n : rows) {
@@ -64,8 +64,8 @@ class NearOthers<ModuleList<Ms...>> {
     return out;
   }
   template <class Near, class Engine>
-  static void receive(Near& near, const Engine& e, const std::vector<Packed>& out) {
-    std::vector<Outgoing> messages;
+  static void receive(Near& near, const Engine& e, const DynArray<Packed>& out) {
+    DynArray<Outgoing> messages;
     for (std::size_t r = 0; r < out.size(); ++r)
       if (!out[r].bytes().empty()) messages.push_back({static_cast<int>(r), out[r].bytes()});
     e.ranks.meet("particles of other ranks");

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <span>
 #include <type_traits>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/state/columns.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -23,7 +23,7 @@ class Packed {
   std::span<const std::byte> bytes() const { return bytes_; }
 
  private:
-  std::vector<std::byte> bytes_;
+  DynArray<std::byte> bytes_;
 };
 
 class Unpacked {

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <cstring>
 #include <tuple>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/ranks/rank_bodies.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -15,10 +15,10 @@ namespace silt::inline SILT_TARGET::detail {
 /// that the other rank owns.
 struct RankNeighbour {
   int rank;
-  std::vector<std::uint32_t> send;   // owned rows
+  DynArray<std::uint32_t> send;      // owned rows
   std::uint32_t first = 0, end = 0;  // ghost rows
   // For bodies: the bodies to which these rows belong.
-  std::vector<std::uint32_t> send_bodies{};
+  DynArray<std::uint32_t> send_bodies{};
   std::uint32_t first_body = 0, end_body = 0;
 };
 

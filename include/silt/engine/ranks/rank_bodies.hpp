@@ -10,8 +10,8 @@
 #include <type_traits>
 #include <unordered_map>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/position_row.hpp>
 #include <silt/core/quaternion.hpp>
 #include <silt/engine/ranks/packed.hpp>
@@ -39,8 +39,8 @@ std::size_t present_in(const State& particles) {
 template <class State, class Mover>
 class OwnParticles {
  public:
-  std::vector<Vec3d> points;    // [m]
-  std::vector<double> weights;  // [-]
+  DynArray<Vec3d> points;    // [m]
+  DynArray<double> weights;  // [-]
 
   OwnParticles(const State& particles, [[maybe_unused]] const Mover& mover,
                std::span<const double> of_rows)
@@ -71,7 +71,7 @@ class OwnParticles {
     points.push_back(centre), weights.push_back(weight);
   }
   const State& particles_;
-  std::vector<std::size_t> place_;
+  DynArray<std::size_t> place_;
 };
 
 /// What ghosts receive of a row in each step. Quantities computed from a body's state are sent
@@ -149,10 +149,9 @@ struct BodyState {
 
 /// Adds the rows of the other parts of their bodies to a sorted set of rows.
 template <class State, class Mover>
-void take_whole_bodies(const State& particles, const Mover& mover,
-                       std::vector<std::uint32_t>& rows) {
+void take_whole_bodies(const State& particles, const Mover& mover, DynArray<std::uint32_t>& rows) {
   if (rows.empty()) return;
-  std::vector<bool> is_taken(mover.bodies.size(), false);
+  DynArray<bool> is_taken(mover.bodies.size(), false);
   for (const std::uint32_t k : rows) is_taken[particles.part[k].body] = true;
   rows.clear();
   for (std::uint32_t k = 0; k < particles.owned(); ++k)
@@ -161,9 +160,9 @@ void take_whole_bodies(const State& particles, const Mover& mover,
 
 /// The bodies of some rows, in the same order.
 template <class State>
-std::vector<std::uint32_t> bodies_of_rows(const State& particles,
-                                          std::span<const std::uint32_t> rows) {
-  std::vector<std::uint32_t> bodies;
+DynArray<std::uint32_t> bodies_of_rows(const State& particles,
+                                       std::span<const std::uint32_t> rows) {
+  DynArray<std::uint32_t> bodies;
   std::unordered_map<std::uint32_t, bool> is_known;
   for (const std::uint32_t k : rows)
     if (const std::uint32_t b = particles.part[k].body; !std::exchange(is_known[b], true))

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/ranks/packed.hpp>
 #include <silt/engine/ranks/rank_stage.hpp>
 
@@ -46,8 +46,8 @@ class RankBonds final : public BondsAtSearch {
       if (const int r = rank_of(one.first); r >= 0) of(r).freed.push_back(one);
   }
 
-  std::vector<std::vector<std::uint32_t>> pass() override {
-    std::vector<Packed> out(leaving_.size());
+  DynArray<DynArray<std::uint32_t>> pass() override {
+    DynArray<Packed> out(leaving_.size());
     for (std::size_t r = 0; r < out.size(); ++r) {
       const Leaving& all = leaving_[r];
       if (all.bonds.empty() && all.at_walls.empty() && all.freed.empty()) continue;
@@ -61,12 +61,12 @@ class RankBonds final : public BondsAtSearch {
 
  private:
   struct Leaving {
-    std::vector<Bond> bonds;
-    std::vector<AtWall> at_walls;
-    std::vector<std::pair<ParticleId, std::uint64_t>> freed;
+    DynArray<Bond> bonds;
+    DynArray<AtWall> at_walls;
+    DynArray<std::pair<ParticleId, std::uint64_t>> freed;
   };
   template <class T>
-  static void put(const std::vector<T>& all, Packed& out) {
+  static void put(const DynArray<T>& all, Packed& out) {
     out.put(all.size());
     for (const T& one : all) out.put(one);
   }
@@ -89,15 +89,15 @@ class RankBonds final : public BondsAtSearch {
     }
   }
   /// For each rank, the owned rows at the other ends of its bonds.
-  std::vector<std::vector<std::uint32_t>> rows_wanted() const {
+  DynArray<DynArray<std::uint32_t>> rows_wanted() const {
     const auto is_own = [&](ParticleId id) { return e_.find(id) < e_.owners(); };
-    std::vector<ParticleId> wanted;
+    DynArray<ParticleId> wanted;
     stage_.list.for_each_bond([&](const Bond& b) {
       const bool i = is_own(b.i), j = is_own(b.j);
       if (i != j) wanted.push_back(i ? b.j : b.i);
     });
     const auto all = gather(e_.ranks.comm(), std::span<const ParticleId>(wanted));
-    std::vector<std::vector<std::uint32_t>> rows(leaving_.size());
+    DynArray<DynArray<std::uint32_t>> rows(leaving_.size());
     for (int r = 0; r < all.ranks(); ++r)
       if (r != e_.ranks.rank())
         for (const ParticleId id : all[r])
@@ -108,7 +108,7 @@ class RankBonds final : public BondsAtSearch {
 
   Stage& stage_;
   Engine& e_;
-  std::vector<Leaving> leaving_;  // per receiving rank
+  DynArray<Leaving> leaving_;  // per receiving rank
 };
 
 }  // namespace silt::detail

@@ -9,8 +9,8 @@
 #include <span>
 #include <unordered_map>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/engine/ranks/choose_ghosts.hpp>
 #include <silt/engine/ranks/packed.hpp>
@@ -42,8 +42,8 @@ class RankChange {
   struct Rows {
     State& particles;
     Mover& mover;
-    std::vector<std::uint32_t>& previous;
-    std::vector<double>& anticipated;
+    DynArray<std::uint32_t>& previous;
+    DynArray<double>& anticipated;
     const Team& team;
   };
 
@@ -55,7 +55,7 @@ class RankChange {
     State& particles = rows.particles;
     const std::size_t owned = particles.owned(), before = particles.size();
     weigh(rows, std::exchange(ranks.near_work, {}), pairs, owned);
-    const std::vector<int> to = ranks.choose_ranks(particles, rows.mover, weights_, step);
+    const DynArray<int> to = ranks.choose_ranks(particles, rows.mover, weights_, step);
     if constexpr (State::bonded) ranks.bonds->leave(to);
     const auto goes = [&](std::size_t k) { return to[k] >= 0 && to[k] != ranks.rank(); };
     next_place_ = static_cast<std::uint32_t>(before);
@@ -63,9 +63,9 @@ class RankChange {
     for (std::size_t k = 0; k < before; ++k)
       if (k >= owned || goes(k)) places_[particles.id[k]] = static_cast<std::uint32_t>(k);
 
-    std::vector<Packed> out(static_cast<std::size_t>(ranks.size()));
+    DynArray<Packed> out(static_cast<std::size_t>(ranks.size()));
     pack(rows, to, goes, pairs, walls, out);
-    std::vector<std::uint32_t> stay;
+    DynArray<std::uint32_t> stay;
     for (std::uint32_t k = 0; k < owned; ++k)
       if (to[k] == ranks.rank()) stay.push_back(k);
     particles.ghosts = 0;
@@ -98,7 +98,7 @@ class RankChange {
         to[r].erase(std::unique(to[r].begin(), to[r].end()), to[r].end());
       }
     }
-    std::vector<Packed> out(to.size());
+    DynArray<Packed> out(to.size());
     for (std::size_t r = 0; r < to.size(); ++r) {
       if constexpr (State::of_bodies)
         if (!to[r].empty()) pack_bodies(particles, rows.mover, to[r], out[r]);
@@ -110,7 +110,7 @@ class RankChange {
     ranks.neighbours.clear();
     const std::size_t owned = particles.size();
     particles.take_off_pads();
-    const std::vector<Arrival> arrivals = ranks.pass(out);
+    const DynArray<Arrival> arrivals = ranks.pass(out);
     auto came = arrivals.begin();
     for (std::size_t r = 0; r < to.size(); ++r) {
       RankNeighbour other{static_cast<int>(r), std::move(to[r]), row_count(particles), 0};
@@ -136,21 +136,21 @@ class RankChange {
   /// Number of places before the search, including those of newcomers.
   std::size_t places() const { return next_place_; }
   /// The pair histories of newcomers, by those places.
-  std::vector<BroughtPair> pairs_brought(const Rows& rows) const {
+  DynArray<BroughtPair> pairs_brought(const Rows& rows) const {
     std::unordered_map<ParticleId, std::uint32_t> place;
     for (const PairMemory& m : pairs_) place[m.a] = place[m.b] = no_place;
     if (!place.empty())
       for (std::size_t k = 0; k < rows.particles.size(); ++k)
         if (const auto found = place.find(rows.particles.id[k]); found != place.end())
           found->second = rows.previous[k];
-    std::vector<BroughtPair> brought;
+    DynArray<BroughtPair> brought;
     for (const PairMemory& m : pairs_) {
       const std::uint32_t a = place[m.a], b = place[m.b];
       if (a != no_place && b != no_place) brought.push_back({a, b, m.values});
     }
     return brought;
   }
-  const std::vector<BroughtWall>& walls_brought() const { return walls_; }
+  const DynArray<BroughtWall>& walls_brought() const { return walls_; }
 
  private:
   static std::uint32_t row_count(const State& particles) {
@@ -181,7 +181,7 @@ class RankChange {
   static auto choose_ghosts(Stage& ranks, const Rows& rows, std::span<const PositionRow> grown,
                             const Domain& domain) {
     if constexpr (State::of_bodies) {
-      std::vector<PositionRow> in_body(grown.begin(), grown.end());
+      DynArray<PositionRow> in_body(grown.begin(), grown.end());
       for (std::size_t k = 0; k < in_body.size(); ++k) {
         const Vec3d at = grown[k].centre() - rows.particles.part[k].image;
         in_body[k] = {at.x, at.y, at.z, grown[k].r};
@@ -196,7 +196,7 @@ class RankChange {
 
   /// The work of each owned row: 1, plus 0.5 for each pair that it belongs to, plus what modules
   /// that act in pairs have with its particle.
-  void weigh(const Rows& rows, const std::vector<double>& near, const Pairs& pairs,
+  void weigh(const Rows& rows, const DynArray<double>& near, const Pairs& pairs,
              std::size_t owned) {
     weights_.assign(owned, 1);
     for (std::size_t k = 0; k < owned && !near.empty(); ++k)
@@ -216,10 +216,10 @@ class RankChange {
   /// For each rank: its rows, the histories of their pairs, and their histories at walls.
   template <class Goes>
   void pack(const Rows& rows, std::span<const int> to, const Goes& goes, const Pairs& pairs,
-            const Walls& walls, std::vector<Packed>& out) const {
+            const Walls& walls, DynArray<Packed>& out) const {
     const State& particles = rows.particles;
-    std::vector<std::vector<std::uint32_t>> leave(out.size());
-    std::vector<std::vector<std::size_t>> known(out.size());
+    DynArray<DynArray<std::uint32_t>> leave(out.size());
+    DynArray<DynArray<std::size_t>> known(out.size());
     std::size_t leaving = 0;
     for (std::uint32_t k = 0; k < to.size(); ++k)
       if (goes(k)) leave[static_cast<std::size_t>(to[k])].push_back(k), ++leaving;
@@ -268,9 +268,9 @@ class RankChange {
 
   std::unordered_map<ParticleId, std::uint32_t> places_;  // of ghosts and rows sent away
   std::uint32_t next_place_ = 0;
-  std::vector<double> weights_;
-  std::vector<PairMemory> pairs_;
-  std::vector<BroughtWall> walls_;
+  DynArray<double> weights_;
+  DynArray<PairMemory> pairs_;
+  DynArray<BroughtWall> walls_;
 };
 
 }  // namespace silt::detail

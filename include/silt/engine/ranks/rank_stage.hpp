@@ -17,9 +17,9 @@
 #include <type_traits>
 #include <unordered_map>
 #include <utility>
-#include <vector>
 
 #include <silt/core/box.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/position_row.hpp>
 #include <silt/engine/ranks/near_reach.hpp>
 #include <silt/engine/ranks/no_ranks.hpp>
@@ -64,7 +64,7 @@ class BondsAtSearch {
   virtual void leave(std::span<const int> to) = 0;
   /// After that: sends their bonds. Returns for each rank the owned rows that it needs as ghosts
   /// (collective).
-  virtual std::vector<std::vector<std::uint32_t>> pass() = 0;
+  virtual DynArray<DynArray<std::uint32_t>> pass() = 0;
 };
 
 /// The engine's part in a run on several ranks: which rank owns which particle, which ghosts it
@@ -80,13 +80,13 @@ template <class Policy>
 class RankStage {
  public:
   static constexpr bool active = true;
-  std::vector<RankNeighbour> neighbours;  // sorted by rank
+  DynArray<RankNeighbour> neighbours;  // sorted by rank
   RankCounts counts;
-  mutable RankSeconds seconds;                   // since this process began
-  std::vector<std::array<double, 2>> of_servos;  // of walls [N/m], [N s/m]: look_at_servos()
-  BondsAtSearch* bonds = nullptr;                // while lists are renewed, if there are bonds
-  NearReach reach;                // of modules that act in pairs, since the last search
-  std::vector<double> near_work;  // of them, for each owner, in units of a contact
+  mutable RankSeconds seconds;                // since this process began
+  DynArray<std::array<double, 2>> of_servos;  // of walls [N/m], [N s/m]: look_at_servos()
+  BondsAtSearch* bonds = nullptr;             // while lists are renewed, if there are bonds
+  NearReach reach;                            // of modules that act in pairs, since the last search
+  DynArray<double> near_work;                 // of them, for each owner, in units of a contact
 
   void set(Policy policy) { policy_ = std::move(policy); }
   const auto& comm() const { return policy_->comm; }
@@ -234,7 +234,7 @@ class RankStage {
     std::int64_t last_step = 0;
     double lost = 0, moved = -1;  // Rebalance
     NearReach reach;
-    std::vector<double> near_work;
+    DynArray<double> near_work;
   };
   State state(std::size_t walls) const {
     State s{wall_loads_, present_, last_step_, policy_->rebalance.lost, policy_->rebalance.moved,
@@ -264,16 +264,16 @@ class RankStage {
   /// The new rank of each owned row, -1 for those that have left. Bodies are not divided.
   /// `weights`: the work of each row per step.
   template <class State, class Mover>
-  std::vector<int> choose_ranks(const State& particles, const Mover& mover,
-                                std::span<const double> weights, std::int64_t step) {
+  DynArray<int> choose_ranks(const State& particles, const Mover& mover,
+                             std::span<const double> weights, std::int64_t step) {
     auto& parts = policy_->parts;
     const OwnParticles<State, Mover> own(particles, mover, weights);
-    const std::vector<Vec3d>& points = own.points;
-    const std::vector<double>& work = own.weights;
+    const DynArray<Vec3d>& points = own.points;
+    const DynArray<double>& work = own.weights;
     counts.load = load_of(policy_->comm, std::accumulate(work.begin(), work.end(), 0.0));
     const bool first = counts.partitions == 0;
     const double mean_points = static_cast<double>(present_) / size();
-    std::vector<int> chosen;
+    DynArray<int> chosen;
     const bool is_due =
         policy_->rebalance.due(counts.load, step - last_step_, mean_points) || first;
     if (is_due)
@@ -290,7 +290,7 @@ class RankStage {
       ++counts.partitions;
     }
     last_step_ = step;
-    std::vector<int> to(particles.owned(), -1);
+    DynArray<int> to(particles.owned(), -1);
     for (std::size_t k = 0; k < to.size(); ++k)
       if (!particles.is_parked(k)) to[k] = chosen[own.place_of(k)];
     return to;
@@ -307,9 +307,9 @@ class RankStage {
   }
   /// The particles of all ranks whose centre, or an image of it, is in a region (collective).
   template <class State, class Domain>
-  std::vector<PositionRow> all_in(const Box& region, const State& particles,
-                                  const Domain& domain) const {
-    std::vector<PositionRow> own;
+  DynArray<PositionRow> all_in(const Box& region, const State& particles,
+                               const Domain& domain) const {
+    DynArray<PositionRow> own;
     for (const PositionRow& p : particles.rows()) {
       bool is_in = false;
       for_images(domain, p.centre(), [&](const Vec3d& image) { is_in |= region.contains(image); });
@@ -321,7 +321,7 @@ class RankStage {
   /// Sums over all ranks what particles have added to outlets (collective).
   template <class Outlets>
   void share_left(Outlets& outlets, const Outlets& before) {
-    std::vector<double> left;
+    DynArray<double> left;
     for (std::size_t k = 0; k < outlets.size(); ++k)
       left.push_back(static_cast<double>(outlets[k].count - before[k].count)),
           left.push_back(outlets[k].mass - before[k].mass);
@@ -341,8 +341,8 @@ class RankStage {
   }
 
   /// Sends each rank its bytes; returns the bytes received from each (collective).
-  std::vector<Arrival> pass(std::vector<Packed>& out) {
-    std::vector<Outgoing> messages;
+  DynArray<Arrival> pass(DynArray<Packed>& out) {
+    DynArray<Outgoing> messages;
     for (std::size_t r = 0; r < out.size(); ++r)
       if (const auto bytes = out[r].bytes(); !bytes.empty()) {
         ++counts.messages, counts.bytes += bytes.size();
@@ -358,8 +358,8 @@ class RankStage {
     if (neighbours.empty()) return;
     const AddsSeconds timed(seconds.ghosts);
     out_.resize(neighbours.size()), in_.resize(neighbours.size());
-    std::vector<Outgoing> sends;
-    std::vector<Incoming> receives;
+    DynArray<Outgoing> sends;
+    DynArray<Incoming> receives;
     for (std::size_t n = 0; n < neighbours.size(); ++n) {
       const RankNeighbour& other = neighbours[n];
       out_[n].resize((... + (passed.sent(other).size() * passed.bytes)));
@@ -393,7 +393,7 @@ class RankStage {
   std::int64_t last_step_ = 0;  // in which ranks were last assigned
   using Exchange = decltype(std::declval<const decltype(Policy::comm)&>().exchange(
       std::span<const Outgoing>(), std::span<const Incoming>()));
-  std::vector<std::vector<std::byte>> out_, in_;
+  DynArray<DynArray<std::byte>> out_, in_;
   std::optional<Exchange> under_way_;  // declared after its buffers, so that it is destroyed first
 };
 

@@ -4,9 +4,9 @@
 #include <array>
 #include <cstddef>
 #include <span>
-#include <vector>
 
 #include <silt/boundary/wall_drive.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/vec3.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -16,7 +16,7 @@ struct RankWallLoads {
   struct Impulses {
     Vec3d impulse{0, 0, 0}, angular{0, 0, 0};  // [N s], [N m s]
   };
-  std::vector<Impulses> own, shared;  // per wall: by owned particles; by all, when last shared
+  DynArray<Impulses> own, shared;  // per wall: by owned particles; by all, when last shared
 
   void resize(std::size_t walls) { own.resize(walls), shared.resize(walls); }
   /// Sums the loads of walls by owned particles over all ranks. Unless `all` is set, only forces
@@ -41,7 +41,7 @@ struct RankWallLoads {
       own[w].angular += walls[w].angular_impulse - shared[w].angular;
       walls[w].impulse = own[w].impulse, walls[w].angular_impulse = own[w].angular;
     }
-    std::vector<double> numbers;
+    DynArray<double> numbers;
     for_each_number([&](double x) { numbers.push_back(x); });
     if (numbers.empty()) return;
     sum(std::span<double>(numbers));

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/contact/shared_contacts.hpp>
 #include <silt/engine/contact/wall_loads.hpp>
 #include <silt/engine/contact/wall_wear.hpp>
@@ -387,9 +387,9 @@ class WallPipeline {
   }
 
   [[no_unique_address]] WallWear<Fluxes> wear_;
-  std::vector<WallLoad> loads_;                         // per block and wall
-  std::vector<Tally<ContactsType>> tallies_;            // per block
-  std::vector<std::optional<CrowdedContact>> crowded_;  // per block
+  DynArray<WallLoad> loads_;                         // per block and wall
+  DynArray<Tally<ContactsType>> tallies_;            // per block
+  DynArray<std::optional<CrowdedContact>> crowded_;  // per block
 };
 
 }  // namespace silt::detail

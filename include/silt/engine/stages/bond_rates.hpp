@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstddef>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/engine/stages/bond_stage.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -17,7 +17,7 @@ template <class Model, class Domain, class Arch>
 template <class Engine>
 auto BondStage<Model, Domain, Arch>::fastest(const Engine& e) -> Rate {
   follow(e);
-  std::vector<BondStiffness> all(e.particles.size(), BondStiffness{0, 0});
+  DynArray<BondStiffness> all(e.particles.size(), BondStiffness{0, 0});
   const auto include = [&](std::size_t at, const BondStiffness& s, double arm) {
     all[at].shift += s.shift, all[at].turn += s.turn + s.shift * arm * arm;
     all[at].shift_damping += s.shift_damping;

@@ -8,9 +8,9 @@
 #include <span>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include <silt/bond/concept.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/core/row4.hpp>
 #include <silt/core/threads.hpp>
@@ -41,7 +41,7 @@ class BondStage {
   AtWalls at_walls;
   /// Ends of bonds that the user breaks, lower id first, or particle and id_of_wall(): they break
   /// in the next step, as overloaded ones do.
-  std::vector<std::pair<ParticleId, ParticleId>> asked;
+  DynArray<std::pair<ParticleId, ParticleId>> asked;
 
   void add(Bond bond) { bond.number = made++, list.add(bond); }
   void add(typename AtWalls::Bond bond) { bond.number = made++, at_walls.all.push_back(bond); }
@@ -70,7 +70,7 @@ class BondStage {
     double power = 0;
     if (list.size() > 0) {
       const auto& groups = list.groups();
-      std::vector<Done> done(groups.count());
+      DynArray<Done> done(groups.count());
       bool damped = true;
       if constexpr (requires { model.has_dashpots(); }) damped = model.has_dashpots();
       for (std::size_t p = 0; p < groups.phases(); ++p) {
@@ -106,7 +106,7 @@ class BondStage {
     const auto goes = [rows](std::size_t at) {
       return std::binary_search(rows.begin(), rows.end(), static_cast<std::uint32_t>(at));
     };
-    std::vector<Ending> ending;
+    DynArray<Ending> ending;
     list.for_each([&](std::size_t k) {
       if (!goes(list.first()[k]) && !goes(list.second()[k])) return;
       if (tells(e, k))
@@ -132,10 +132,10 @@ class BondStage {
   }
   /// Removes the bonds that were overloaded in the last step. Returns them, together with those
   /// that ended before its force computation, in order of creation.
-  std::vector<BondBreak> take_broken(double time) {
+  DynArray<BondBreak> take_broken(double time) {
     take_out(overloaded_);
     overloaded_.clear();
-    std::vector<BondBreak> gone;
+    DynArray<BondBreak> gone;
     for (const BondSeen& one : std::exchange(ended_, {})) gone.push_back({one, time});
     std::sort(gone.begin(), gone.end(),
               [](const BondBreak& a, const BondBreak& b) { return a.number < b.number; });
@@ -146,8 +146,8 @@ class BondStage {
   /// The same with several ranks (collective): each rank removes its copies of the bonds that any
   /// rank has reported, and returns those whose first end it owns; told(bond) is called for all.
   template <class Engine, class Told>
-  std::vector<BondBreak> take_broken(Engine& e, double time, const Told& told) {
-    std::vector<BrokenBond> own;
+  DynArray<BondBreak> take_broken(Engine& e, double time, const Told& told) {
+    DynArray<BrokenBond> own;
     const auto tell = [&](const BondSeen& b) { own.push_back({b.number, b.a, b.b, b.wall}); };
     for (const Ending& one : overloaded_) tell(one.what);
     for (const BondSeen& one : ended_) tell(one);
@@ -178,7 +178,7 @@ class BondStage {
   template <class Engine, class F>
   void visit(const Engine& e, const Domain& domain, const F& f) {
     follow(e);
-    std::vector<std::pair<std::uint64_t, std::size_t>> order;
+    DynArray<std::pair<std::uint64_t, std::size_t>> order;
     order.reserve(list.size() + at_walls.all.size());
     list.for_each([&](std::size_t k) {
       if (tells(e, k)) order.push_back({list.bond(k).number, k});
@@ -271,7 +271,7 @@ class BondStage {
     BondSeen what;
     std::size_t place;  // in the list it belongs to
   };
-  void take_out(const std::vector<Ending>& all) {
+  void take_out(const DynArray<Ending>& all) {
     for (const Ending& one : all) {
       ended_.push_back(one.what);
       if (one.what.b == no_particle)
@@ -283,8 +283,8 @@ class BondStage {
   }
   /// Result of one group.
   struct Done {
-    std::vector<std::uint32_t> over;  // places of overloaded bonds
-    double power = 0;                 // [W] of dashpots
+    DynArray<std::uint32_t> over;  // places of overloaded bonds
+    double power = 0;              // [W] of dashpots
   };
 
   template <class Engine>
@@ -359,8 +359,8 @@ class BondStage {
   /// (PairPipeline::add_up).
   template <class Engine>
   void add_up(Engine& e, std::size_t from, std::size_t count, const double* loads);
-  std::vector<Ending> overloaded_;
-  std::vector<BondSeen> ended_;  // since take_broken() was called last
+  DynArray<Ending> overloaded_;
+  DynArray<BondSeen> ended_;  // since take_broken() was called last
 };
 
 /// The stage of a policy Bonds<Model>; empty without one.

@@ -12,11 +12,11 @@
 #include <tuple>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include <silt/breakage/breakage.hpp>
 #include <silt/breakage/impact_energies.hpp>
 #include <silt/breakage/size_table.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/random.hpp>
 #include <silt/engine/contact/impacts.hpp>
@@ -52,18 +52,18 @@ struct DueBreak {
 template <class Policy>
 class BreakStage {
  public:
-  std::vector<DueBreak> due;           // sorted by id; saved in checkpoints
-  std::vector<BreakEvent> events;      // of this step
-  ParticleId newborn_from = 0;         // first id of the fragments of this step
-  SizeTables dust, left;               // fragments below the size limit, and particles that left
-  CompensatedSum fed;                  // [kg]
-  BreakCounts broken{};                // since the start
-  std::vector<BreakCounts> broken_of;  // the same per material, if there are several
-  ImpactEnergies impacts;              // since the start, for breakage by impact speed only
-  double parted = 0;                   // [J] released by shrinking offsets
-  double weak_from = 0;                // [N] lower bound of the strengths, for breakage by force
-  LivingSizes sizes;                   // the smallest living particles, which set the time step
-  LargestLoad largest;                 // not saved in checkpoints
+  DynArray<DueBreak> due;           // sorted by id; saved in checkpoints
+  DynArray<BreakEvent> events;      // of this step
+  ParticleId newborn_from = 0;      // first id of the fragments of this step
+  SizeTables dust, left;            // fragments below the size limit, and particles that left
+  CompensatedSum fed;               // [kg]
+  BreakCounts broken{};             // since the start
+  DynArray<BreakCounts> broken_of;  // the same per material, if there are several
+  ImpactEnergies impacts;           // since the start, for breakage by impact speed only
+  double parted = 0;                // [J] released by shrinking offsets
+  double weak_from = 0;             // [N] lower bound of the strengths, for breakage by force
+  LivingSizes sizes;                // the smallest living particles, which set the time step
+  LargestLoad largest;              // not saved in checkpoints
   bool some_due = true;  // with several ranks: on any rank; true until the ranks have exchanged it
   bool some_born = false;  // the same, for this step
 
@@ -103,7 +103,7 @@ class BreakStage {
       const NotedImpact* note;
       auto key() const { return std::tuple(id, other, wall, note->force, note->speed); }
     };
-    std::vector<Half> all;
+    DynArray<Half> all;
     std::size_t known = e.owners();
     if constexpr (Engine::of_ranks) known = e.particles.size();  // includes ghosts
     for (const NotedImpact& note : e.impacts.all) {

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <limits>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/target.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -37,7 +37,7 @@ class LivingSizes {
   /// smallest sizes have changed. With several ranks, of all (collective).
   template <class Engine>
   bool measure(Engine& e, std::size_t materials) {
-    const auto before = std::exchange(least_, std::vector<Least>(materials));
+    const auto before = std::exchange(least_, DynArray<Least>(materials));
     double smallest = std::numeric_limits<double>::infinity();  // [m]
     for (std::size_t k = 0; k < e.owners(); ++k) {
       const auto p = e.owner(k);
@@ -63,17 +63,17 @@ class LivingSizes {
   }
 
   // As numbers, for a checkpoint; empty if nothing is known.
-  std::vector<double> state() const {
-    std::vector<double> all;
+  DynArray<double> state() const {
+    DynArray<double> all;
     if (known() || postponed > 0) all.insert(all.end(), {coming_step, speed, postponed});
     for (const Least& l : least_) all.insert(all.end(), {l.mass, l.hertz, l.radius});
     return all;
   }
-  static bool can_be(const std::vector<double>& all) {
+  static bool can_be(const DynArray<double>& all) {
     return all.empty() || (all.size() % 3 == 0 && std::isfinite(all[0] + all[1] + all[2]) &&
                            std::all_of(all.begin(), all.end(), [](double x) { return x >= 0; }));
   }
-  void restore(const std::vector<double>& all) {
+  void restore(const DynArray<double>& all) {
     coming_step = speed = postponed = 0, least_.clear();
     if (!all.empty()) coming_step = all[0], speed = all[1], postponed = all[2];
     for (std::size_t at = 3; at + 3 <= all.size(); at += 3)
@@ -95,7 +95,7 @@ class LivingSizes {
   /// Makes the smallest sizes those of all ranks; returns the smallest `radius` [m] of any.
   template <class Engine>
   double share(const Engine& e, double radius) {
-    std::vector<double> most{-radius};
+    DynArray<double> most{-radius};
     for (const Least& l : least_) most.insert(most.end(), {-l.mass, -l.hertz, -l.radius});
     e.ranks.max_of(most);
     for (std::size_t k = 0; k < least_.size(); ++k)
@@ -103,7 +103,7 @@ class LivingSizes {
     return -most[0];
   }
 
-  std::vector<Least> least_;  // one per material
+  DynArray<Least> least_;  // one per material
 };
 
 }  // namespace silt::detail

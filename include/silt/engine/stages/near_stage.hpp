@@ -10,8 +10,8 @@
 #include <string>
 #include <tuple>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/engine/lists/near_list.hpp>
 #include <silt/engine/ranks/near_reach.hpp>
@@ -217,7 +217,7 @@ class NearStage<ModuleList<Ms...>, Domain> {
   }
   /// In the first look after a search on several ranks: the work of each own particle's pairs, in
   /// units of a contact's, for the modules that look in this step.
-  void weigh(const Domain& domain, std::vector<double>& work) const {
+  void weigh(const Domain& domain, DynArray<double>& work) const {
     if (!(wanted<Ms>(asked_) || ...) || work.size() == particles.own) return;
     work.assign(particles.own, 0);
     (weigh_one<Ms>(domain, work), ...);
@@ -283,7 +283,7 @@ class NearStage<ModuleList<Ms...>, Domain> {
       return (e.modules().template of<M>()[k]);
   }
   template <class M>
-  void weigh_one(const Domain& domain, std::vector<double>& work) const {
+  void weigh_one(const Domain& domain, DynArray<double>& work) const {
     if constexpr (ActsInPairs<M>) {
       if (!wanted<M>(asked_)) return;
       constexpr double of_a_side = 0.25;
@@ -314,7 +314,7 @@ class NearStage<ModuleList<Ms...>, Domain> {
   }
 
   std::tuple<NearPairs<Ms, Domain>...> pairs_;
-  std::tuple<std::vector<FieldsOf<Ms>>...> others_;
+  std::tuple<DynArray<FieldsOf<Ms>>...> others_;
   bool measured_ = false, asked_ = false;  // by the last look
 };
 

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include <silt/bond/concept.hpp>
 #include <silt/boundary/wall.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/quaternion.hpp>
 #include <silt/engine/contact/contact_energy.hpp>
 
@@ -53,7 +53,7 @@ class WallBonds {
     std::uint64_t number;
     bool excludes;  // the bond excludes the contact
   };
-  std::vector<Bond> all;
+  DynArray<Bond> all;
 
   /// Removes the bonds of particles that have left and of walls that were removed.
   template <class Engine>
@@ -72,7 +72,7 @@ class WallBonds {
                        [&](const Bond& b) { return b.excludes && b.i == i && b.wall == wall; });
   }
   void close_up() {
-    std::erase_if(all, [](const Bond& b) { return b.i == no_particle; });
+    erase_if(all, [](const Bond& b) { return b.i == no_particle; });
   }
 
   /// Adds the loads of all bonds to particles and walls; over(seen, place) is called for those that

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/position_row.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -38,7 +38,7 @@ class BondedPairs {
   }
   static ParticleId id_of_wall(std::size_t wall) { return no_particle - wall; }
   /// Particles and walls whose contacts begin now: their overlap at the next pruning is excluded.
-  std::vector<std::pair<ParticleId, std::uint64_t>> freed_at_walls;
+  DynArray<std::pair<ParticleId, std::uint64_t>> freed_at_walls;
 
   std::size_t bytes() const { return places_.capacity() * sizeof(Pair); }
 
@@ -60,13 +60,13 @@ class BondedPairs {
     return k;
   }
   void make_room() {
-    std::vector<Pair> old(std::max<std::size_t>(64, 2 * places_.size()), nobody);
+    DynArray<Pair> old(std::max<std::size_t>(64, 2 * places_.size()), nobody);
     old.swap(places_);
     for (const Pair& p : old)
       if (p != nobody) places_[place_of(p)] = p;
   }
 
-  std::vector<Pair> places_;
+  DynArray<Pair> places_;
   std::size_t used_ = 0;
 };
 struct NoPairs {};

@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <utility>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/threads.hpp>
 
 /// State is stored in tables of columns, each with one row per particle (or part of a body). A
@@ -16,7 +17,7 @@
 /// checkpoints and the memory per particle are derived from that declaration.
 ///
 ///   struct Charges {
-///     std::vector<double> charge;  // [C]
+///     DynArray<double> charge;  // [C]
 ///     static constexpr auto columns() {
 ///       return std::tuple{column("charge", [](auto& t) -> auto& { return t.charge; })};
 ///     }

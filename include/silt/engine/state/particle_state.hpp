@@ -7,8 +7,8 @@
 #include <span>
 #include <tuple>
 #include <type_traits>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/quaternion.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
@@ -57,9 +57,9 @@ class ParticleState {
   AlignedVector<PositionRow> position;
   AlignedVector<ParticleMotion> motion;
   AlignedVector<HigherDerivatives> derivatives;  // if the integrator uses any
-  std::vector<ParticleId> id;
-  std::vector<std::uint16_t> material;
-  std::vector<PartRow> part;              // for bodies
+  DynArray<ParticleId> id;
+  DynArray<std::uint16_t> material;
+  DynArray<PartRow> part;                 // for bodies
   AlignedVector<Quaternion> orientation;  // of spheres, once there is a bond
   // Mirrors the list of bonds; bonds of particles that have left are removed when it is next read.
   [[no_unique_address]] mutable std::conditional_t<Bonded, BondedPairs, NoPairs> bonds;

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/module/concept.hpp>
 
@@ -63,7 +63,7 @@ struct Charge {
   Vec3d field{0, 0, 0};     // [V/m]
   double permittivity = 1;  // [-] relative, of the medium
   double start_charge = 0;  // [C] of new particles
-  std::vector<ConductingPlane> planes{};
+  DynArray<ConductingPlane> planes{};
 
   static constexpr double eps0 = 8.8541878128e-12;  // [F/m] CODATA 2018
   using Fields = ChargeFields;
@@ -153,10 +153,11 @@ struct Charge {
         const Vec3d& n = planes[k].normal;
         const std::array along{n.x, n.y, n.z};
         for (int d = 0; d < 3; ++d)
-          require(along[static_cast<std::size_t>(d)] == 0 || !sim.domain().repeats(d),
-                  "Charge.planes[", k, "]: its normal ", n,
-                  " has a part along a direction in which the box is periodic, where the plane does "
-                  "not repeat; turn it, or make the box open there");
+          require(
+              along[static_cast<std::size_t>(d)] == 0 || !sim.domain().repeats(d), "Charge.planes[",
+              k, "]: its normal ", n,
+              " has a part along a direction in which the box is periodic, where the plane does "
+              "not repeat; turn it, or make the box open there");
       }
   }
 };

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <numbers>
 #include <optional>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/core/names.hpp>
 #include <silt/module/charge/charge.hpp>
@@ -46,10 +46,10 @@ namespace silt::inline SILT_TARGET {
 /// Tests:  tests/physics/charge.cpp.
 struct TriboCharge : Charge {
   struct Surfaces {
-    std::vector<double> work_functions{};  // [eV] of the contacts' material 0, 1, ...
-    double transfer_distance = 5e-7;       // [m] delta > 0
-    double area_factor = 1;                // [-] alpha > 0
-    WallValues<bool> insulated{};  // walls without charge transfer: {true}, or {{"lid", true}}
+    DynArray<double> work_functions{};  // [eV] of the contacts' material 0, 1, ...
+    double transfer_distance = 5e-7;    // [m] delta > 0
+    double area_factor = 1;             // [-] alpha > 0
+    WallValues<bool> insulated{};       // walls without charge transfer: {true}, or {{"lid", true}}
   } surfaces;
 
   TriboCharge(Charge charge, Surfaces of) : Charge(std::move(charge)), surfaces(std::move(of)) {}

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 #include <string>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/functions.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/core/names.hpp>
@@ -58,16 +58,16 @@ struct HertzCircle {
 /// Tests:  tests/engine/wall_heat.cpp, tests/physics/heat.cpp.
 template <class Circle = HertzCircle>
 struct HeatConductionBy {
-  double conductivity = 0;                // [W/(m K)] > 0
-  double heat_capacity = 0;               // [J/(kg K)] > 0
-  double youngs_modulus = 0;              // [Pa] of the real solid; 0: as in the contacts
-  double poisson_ratio = 0.3;             // [-] of the real solid
-  double start_temperature = 293.15;      // [K] > 0 of new particles
-  std::vector<ThermalMaterial> others{};  // for material 1, 2, ... of the contacts
-  WallValues<WallHeat> walls{};           // of wall 0, 1, ..., or by name
-  std::size_t flux_every = 10;            // [steps] largest interval between computations of the
-                                          // flux
-  double density = 0;                     // [kg/m3] for FrictionHeat; 0: as its partner's
+  double conductivity = 0;             // [W/(m K)] > 0
+  double heat_capacity = 0;            // [J/(kg K)] > 0
+  double youngs_modulus = 0;           // [Pa] of the real solid; 0: as in the contacts
+  double poisson_ratio = 0.3;          // [-] of the real solid
+  double start_temperature = 293.15;   // [K] > 0 of new particles
+  DynArray<ThermalMaterial> others{};  // for material 1, 2, ... of the contacts
+  WallValues<WallHeat> walls{};        // of wall 0, 1, ..., or by name
+  std::size_t flux_every = 10;         // [steps] largest interval between computations of the
+                                       // flux
+  double density = 0;                  // [kg/m3] for FrictionHeat; 0: as its partner's
 
   using Fields = HeatFields;
   static constexpr std::array names{"temperature [K]"};

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <string>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/names.hpp>
 #include <silt/module/heat/surroundings.hpp>
 
@@ -40,9 +40,9 @@ namespace silt::inline SILT_TARGET {
 template <class Base>
 struct MutualRadiation : Base {
   struct Surfaces {
-    double emissivity = 0.9;       // [-] in (0, 1], of material 0
-    double gap = 0;                // [m] > 0 between surfaces, range of the radiation
-    std::vector<double> others{};  // [-] emissivities of the contacts' material 1, 2, ...
+    double emissivity = 0.9;    // [-] in (0, 1], of material 0
+    double gap = 0;             // [m] > 0 between surfaces, range of the radiation
+    DynArray<double> others{};  // [-] emissivities of the contacts' material 1, 2, ...
   } surfaces;
 
   static_assert(

@@ -1,6 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <vector>
+
 #include <silt/parallel/decomposition/find_cuts.hpp>
 
 namespace silt::inline SILT_TARGET {

@@ -5,6 +5,7 @@
 #include <array>
 #include <compare>
 #include <numeric>
+#include <vector>
 
 #include <silt/parallel/decomposition/concept.hpp>
 #include <silt/parallel/ordered_key.hpp>

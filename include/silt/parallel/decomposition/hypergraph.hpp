@@ -1,6 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <vector>
+
 #include <silt/parallel/decomposition/concept.hpp>
 #include <silt/parallel/zoltan.hpp>
 

@@ -1,8 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <vector>
-
+#include <silt/core/dyn_array.hpp>
 #include <silt/shape/narrow/placed_polyhedron.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -132,8 +131,8 @@ class ExpandingPolytope {
 
   /// Replaces the faces visible from the point by a fan from their rim.
   bool add(const SimplexPoint& p) {
-    std::vector<std::pair<std::size_t, std::size_t>> rim;
-    std::vector<Face> kept;
+    DynArray<std::pair<std::size_t, std::size_t>> rim;
+    DynArray<Face> kept;
     for (const auto& face : faces_) {
       if (!(dot(face.normal, p.difference) - face.distance > 1e-15 * scale_)) {
         kept.push_back(face);
@@ -158,8 +157,8 @@ class ExpandingPolytope {
   const A& a_;
   const B& b_;
   double scale_ = 0;  // [m] of A - B
-  std::vector<SimplexPoint> points_;
-  std::vector<Face> faces_;
+  DynArray<SimplexPoint> points_;
+  DynArray<Face> faces_;
   Penetration out_;
 };
 
@@ -171,7 +170,7 @@ class SeparatingAxes {
     out_.depth = std::numeric_limits<double>::infinity();
     for (const auto& face : a.shape->faces()) of_face(a.pose.turn * face.normal, true);
     for (const auto& face : b.shape->faces()) of_face(-(b.pose.turn * face.normal), false);
-    std::vector<Arc> of_b;
+    DynArray<Arc> of_b;
     for (const auto& e : b.shape->edges()) of_b.push_back(arc(b, e));
     for (const auto& e : a.shape->edges()) {
       const Arc of_a = arc(a, e);

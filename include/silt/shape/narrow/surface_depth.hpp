@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include <silt/boundary/triangle_mesh.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/shape/narrow/solid_planes.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -177,9 +177,9 @@ class SurfaceDepth {
     Sums::Spread spread;
   };
   struct Memory {
-    std::vector<Vec3d> polygon, cell, next;
-    std::vector<std::uint32_t> faces;
-    std::vector<double> numbers;
+    DynArray<Vec3d> polygon, cell, next;
+    DynArray<std::uint32_t> faces;
+    DynArray<double> numbers;
   };
   static Memory& memory() {
     thread_local Memory work;
@@ -191,7 +191,7 @@ class SurfaceDepth {
     return face.offset / unit_ - dot(face.normal, x);
   }
   /// Keeps the part of a polygon with normal . x <= offset.
-  void cut(std::vector<Vec3d>& polygon, const Vec3d& normal, double offset) {
+  void cut(DynArray<Vec3d>& polygon, const Vec3d& normal, double offset) {
     auto& [unused, cell, next, faces, inside] = work_;
     inside.clear();
     bool none = true, all = true;
@@ -218,7 +218,7 @@ class SurfaceDepth {
     Vec3d centre;
     double radius;
   };
-  static Ball ball_about(const std::vector<Vec3d>& polygon) {
+  static Ball ball_about(const DynArray<Vec3d>& polygon) {
     Vec3d sum{0, 0, 0};
     for (const Vec3d& x : polygon) sum += x;
     const Vec3d centre = (1 / static_cast<double>(polygon.size())) * sum;
