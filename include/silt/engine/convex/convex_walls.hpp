@@ -321,7 +321,9 @@ class ConvexWalls {
     if (wall.is_in_itself_moving()) {
       wall_velocity +=
           velocity_in_itself(wall, c.surface, contacts.facets(c), on_wall, n, in.times.step);
-      if (wall.has_belt()) surface_spin += wall.belt.rate;
+      if (wall.has_belt())  // velocity_at() takes `arm` as that of now
+        surface_spin += wall.belt.rate,
+            wall_velocity += belt_before(wall.belt, on_wall, n, change, body.velocity, 0, in.times);
     }
     const std::size_t k = s.count++;
     if constexpr (Fluxes::wears) s.rubs.put(k, c, wall, body.velocity_at(arm) - wall_velocity);

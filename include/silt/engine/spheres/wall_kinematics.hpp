@@ -33,6 +33,15 @@ SILT_INLINE WallVelocity velocity_of_wall(const Wall& wall, const Vec3d& on_wall
   return w;
 }
 
+/// Adds the spin of a belt, and what its velocity at the contact was less than now half a step ago.
+inline void add_belt(WallVelocity& of_wall, const SurfaceVelocity& belt, const Vec3d& on_wall,
+                     const SurfacePoint& point, const Vec3d& change, const Vec3d& of_sphere,
+                     const StepTimes& times) {
+  of_wall.velocity +=
+      belt_before(belt, on_wall, point.normal, change, of_sphere, point.distance, times);
+  of_wall.spin += belt.rate;
+}
+
 template <class Scalar>
 SILT_INLINE Vec3<Scalar> as_scalars(const Vec3d& v) {
   return {static_cast<Scalar>(v.x), static_cast<Scalar>(v.y), static_cast<Scalar>(v.z)};

@@ -339,7 +339,8 @@ class WallPipeline {
       s.in_itself[k] = velocity_in_itself(wall, c.surface, contacts.facets(c), on_wall,
                                           point.normal, in.times.step);
       of_wall.velocity += s.in_itself[k];
-      if (wall.has_belt()) of_wall.spin += wall.belt.rate;
+      if (wall.has_belt())
+        add_belt(of_wall, wall.belt, on_wall, point, change, motion.velocity(), in.times);
     }
     if constexpr (Fluxes::wears) {
       Vec3d slip = motion.velocity() - of_wall.velocity;
