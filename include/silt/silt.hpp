@@ -61,6 +61,7 @@
 #include <silt/io/particle_csv.hpp>
 #include <silt/io/passing_series.hpp>
 #include <silt/io/progress.hpp>
+#include <silt/io/run_warnings.hpp>
 #include <silt/io/scene_warnings.hpp>
 #include <silt/io/wall_series.hpp>
 #include <silt/measure/coordination.hpp>

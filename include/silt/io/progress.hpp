@@ -13,6 +13,7 @@
 #include <silt/core/dyn_array.hpp>
 #include <silt/io/break_warnings.hpp>
 #include <silt/io/progress_line.hpp>
+#include <silt/io/run_warnings.hpp>
 #include <silt/io/scene_warnings.hpp>
 #include <silt/io/servo_warnings.hpp>
 
@@ -47,8 +48,8 @@ struct ProgressOptions {
 /// Prints the progress of the run on stderr: on a terminal one line that is updated once a second;
 /// otherwise (a log file) a line every ten seconds. With a fluid, prints at the end how well the
 /// balances between fluid and particles close. At the start and the end it prints the warnings of
-/// io/scene_warnings.hpp, one line each that begins with "warning: ". On many ranks rank 0 prints
-/// for all.
+/// io/scene_warnings.hpp and io/run_warnings.hpp, one line each that begins with "warning: ". On
+/// many ranks rank 0 prints for all.
 class Progress {
  public:
   explicit Progress(const ProgressOptions& options)
