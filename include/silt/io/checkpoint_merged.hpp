@@ -243,7 +243,7 @@ class Checkpoint<Sim>::Merged {
     s.stage_ = std::make_unique<BondStage>();
     s.stage_->model = sim_.bonds_.model, s.stage_->seed = sim_.bonds_.seed;
     s.bonds_.put(*s.stage_, s.particles_);
-    s.stage_->fresh = sim_.ranks() > 1;
+    s.stage_->fresh = s.stage_->loaded = sim_.ranks() > 1;
   }
   /// Heat and charge from walls to the particles of all blocks, and the wear of the walls.
   void take_wall_sums([[maybe_unused]] const CheckpointReader& in) {

@@ -75,7 +75,7 @@ class BondAccess {
         const BondEnd &p = ends.at(i), &q = ends.at(j);
         add_bond(i, j, p, q, e.find(i) < e.owners() || e.find(j) < e.owners());
       }
-      sim().bonds_.fresh = e.ranks.size() > 1;
+      sim().bonds_.fresh = e.ranks.size() > 1, sim().bonds_.loaded = false;
       e.lists.forget();
       sim().scene_changed_ = true;
     }
@@ -226,8 +226,11 @@ class BondAccess {
   }
   void need_no_fresh_bonds(const char* what) const {
     require(!sim().bonds_.fresh, "Simulation::", what,
-            ": bonds were made whose ends may be on two ranks; run() first for at least a step, as "
-            "by run(step_length()), without observers that read bonds, energies or save");
+            sim().bonds_.loaded ? ": the checkpoint is of another number of ranks, and ranks do "
+                                  "not know yet both ends of their bonds"
+                                : ": bonds were made whose ends may be on two ranks",
+            "; run() first for at least a step, as by run(step_length()), without observers that "
+            "read bonds, energies or save");
   }
   /// The time step limits from the bonds of all ranks (collective).
   template <class S = Sim>

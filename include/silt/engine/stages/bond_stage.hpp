@@ -36,7 +36,8 @@ class BondStage {
 
   Model model;
   std::uint64_t seed = 1, made = 0, broken = 0;
-  bool fresh = false;  // several ranks: some new bonds end at particles that are not ghosts yet
+  bool fresh = false;   // several ranks: some new bonds end at particles that are not ghosts yet,
+  bool loaded = false;  // ... because a checkpoint of another number of ranks was loaded
   List list;
   AtWalls at_walls;
   /// Ends of bonds that the user breaks, lower id first, or particle and id_of_wall(): they break
