@@ -521,6 +521,99 @@ TEST_CASE("inlet_warnings: what an inlet could not place, unless it catches up")
                {"inlet 0 has placed none of the", "is behind wall 0 'box'", "move it"}));
 }
 
+// An inlet that is far too fast for its region, in a run of two insertions. Catches a delay of "one
+// insertion" that cannot be made up.
+TEST_CASE("inlet_warnings: an inlet far beyond what its region takes, in a short run") {
+  auto sim = loose({.count = 0});
+  sim.add_inlet(Box{{0, 0, 0.08}, {0.02, 0.02, 0.09}},
+                {.radius = 1e-3, .density = 2500, .rate = 1e6});
+  sim.run(0.02);
+  CHECK(sim.inlet(0).insertions == 2);
+  CHECK(is_one(inlet_warnings(sim), {"inlet 0 has placed", "particles that were due"}));
+}
+
+// --- single settings ------------------------------------------------------------------------
+
+// Catches a friction in per cent, which every law accepts.
+TEST_CASE("scene_warnings: friction in per cent, of a material, of a pair, and below a cohesion") {
+  const auto rough = [](double friction) {
+    HertzMindlin::Material m = rubber;
+    m.friction = friction;
+    return m;
+  };
+  const auto of = [&](double friction) {
+    silt::Simulation sim{block({}), silt::Contacts<HertzMindlin>{rough(friction)}};
+    sim.gravity = earth, sim.threads = 1;
+    sim.add_wall(silt::box({0, 0, 0}, {width, width, width}), rough(friction));
+    return scene_warnings(sim);
+  };
+  CHECK(is_one(of(40), {"friction = 40 [-] between material 0 and itself", "per cent", "0.4"}));
+  CHECK(is_silent(of(2.5)));
+  auto pairs = boxed({});
+  pairs.add_wall(Plane{{0, 0, 0}, {0, 0, 1}}, rough(0.1));
+  pairs.set_pair(0, 1, {.restitution = 0.5, .friction = 30});
+  CHECK(is_one(scene_warnings(pairs), {"friction = 30 [-] between material 0 and material 1"}));
+  using Wet = silt::Cohesive<HertzMindlin, silt::Dmt>;
+  silt::Simulation sticky{block({}), silt::Contacts<Wet>{{rough(40), {}}}};
+  sticky.gravity = earth;
+  sticky.add_wall(silt::box({0, 0, 0}, {width, width, width}), sticky.contacts().material(0));
+  CHECK(is_one(scene_warnings(sticky), {"friction = 40"}));
+}
+
+// Catches a mesh in mm that is read as if it were in m: a floor 1000 times as wide as the bed.
+TEST_CASE("scene_warnings: a mesh a thousand times as large as all particles") {
+  const auto on_floor = [](double side, int count) {
+    auto sim = loose({.count = count});
+    sim.add_wall(silt::rectangle({0, 0, 0}, {side, 0, 0}, {0, side, 0}), rubber, {.name = "floor"});
+    return scene_warnings(sim);
+  };
+  CHECK(is_one(on_floor(20, 64), {"the mesh of wall 0 'floor' measures 28.3 m", "times the 0.02",
+                                  "mesh_wall(file, 1e-3)"}));
+  CHECK(is_silent(on_floor(2, 64)));
+  CHECK(is_silent(on_floor(20, 1)));  // a single ball on a wide floor
+}
+
+// Catches an outlet that is put around the bed in place of beside it.
+TEST_CASE("scene_warnings: an outlet around the particles that are there") {
+  const auto with_outlet = [](double low, bool later) {
+    auto sim = boxed({});
+    if (later) sim.run(1e-4);
+    sim.add_outlet({{-1, -1, low}, {1, 1, 1}});
+    auto told = scene_warnings(sim);
+    sim.run(1e-4);
+    CHECK(is_silent(scene_warnings(sim)));  // what has left is no longer there
+    return told;
+  };
+  CHECK(is_one(with_outlet(-1, false), {"outlet 0", "contains 64 of 64 particles", "first step"}));
+  CHECK(is_one(with_outlet(0.005, false), {"contains 48 of 64 particles"}));
+  CHECK(is_silent(with_outlet(0.012, false)));  // the uppermost layer alone
+  CHECK(is_silent(with_outlet(0.005, true)));   // a bed that is cut off
+  CHECK(is_one(with_outlet(-1, true), {"contains 64 of 64"}));
+}
+
+// Catches the jump of a wall that is added late, with a motion that counts from time 0.
+TEST_CASE("scene_warnings: a wall added in a later run, which its motion has already moved") {
+  const auto late = [](double after, auto motion) {
+    auto sim = boxed({});
+    if (after > 0) sim.run(after);
+    sim.add_wall(Plane{{0, 0, 0.019}, {0, 0, -1}}, rubber,
+                 {.name = "press", .motion = motion(sim.time())});
+    auto told = scene_warnings(sim);
+    sim.run(1e-4);
+    CHECK(is_silent(scene_warnings(sim)));
+    return told;
+  };
+  const auto down = silt::translation({0, 0, -0.05});
+  CHECK(is_one(late(1e-3, [&](double) { return down; }),
+               {"'press' was added at 0.001", "already moved it by", "from(sim.time(), motion)"}));
+  CHECK(is_silent(late(0, [&](double) { return down; })));
+  CHECK(is_silent(late(1e-3, [&](double now) { return silt::from(now, down); })));
+  CHECK(is_silent(late(1e-3, [](double) {
+    return silt::Motion(silt::rotation({0, 0, 0}, {0, 0, 1}, 5));
+  })));
+  CHECK(is_silent(late(1e-3, [](double) { return silt::Motion(); })));
+}
+
 // --- observers ------------------------------------------------------------------------------
 
 namespace {

@@ -102,6 +102,7 @@ struct Wall {
   WallDrive drive;           // what moves it, if not `motion`
   WallState state;           // of the drive, or of a motion that was changed
   SurfaceVelocity belt;
+  double added = 0;       // [s] time of add_wall
   double belt_power = 0;  // [W] of the surface velocity on particles, at the last step
   /// After set_mesh replaced surface `deformed` by a mesh of the same topology: displacement [m] of
   /// each vertex in one step, in the wall's coordinates. `deforming` 2: in the next step, 1: in

@@ -61,7 +61,7 @@ std::string why_nothing_came(const Sim& sim, const Inlet& inlet) {
 }  // namespace detail
 
 /// Warnings after a run: inlets that placed fewer particles than due. A delay of at most one
-/// insertion does not count.
+/// insertion does not count, or of half of one where there were two and it cannot be made up.
 template <class Sim>
 [[gnu::cold]] std::vector<std::string> inlet_warnings(const Sim& sim) {
   std::vector<std::string> out;
@@ -69,8 +69,8 @@ template <class Sim>
     const Inlet& inlet = sim.inlet(k);
     const auto waiting = static_cast<double>(inlet.waiting);
     const std::uint64_t due = inlet.placed + inlet.waiting;
-    if (waiting <= WarningLimits::waiting_share * static_cast<double>(due) ||
-        waiting <= 1 + inlet.flow.rate * inlet.interval)
+    const double of_one = (inlet.insertions > 2 ? 1 : 0.5) * inlet.flow.rate * inlet.interval;
+    if (waiting <= WarningLimits::waiting_share * static_cast<double>(due) || waiting <= 1 + of_one)
       continue;
     if (const std::string why = detail::why_nothing_came(sim, inlet); !why.empty()) {
       out.push_back(text("inlet ", k, " has placed none of the ", due,

@@ -14,6 +14,8 @@
 #include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/io/scene_look.hpp>
+#include <silt/io/setup_warnings.hpp>
+#include <silt/io/warning_limits.hpp>
 #include <silt/module/heat/temperature.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -29,46 +31,7 @@ namespace silt::inline SILT_TARGET {
 /// and what it does not: docs/tutorial.md, Warnings.
 /// Tests: tests/io/scene_warnings.cpp (each fires; near misses and legitimate scenes do not).
 
-/// Thresholds and their reasons.
-struct WarningLimits {
-  /// Simulations of the throw or impact of fewer particles need no walls.
-  static constexpr std::size_t few = 10;  // [-]
-  /// Without a fluid. Most solids have a density of 1 to 10 in g/cm3 and more than 10 in kg/m3. The
-  /// lightest in use are foams such as expanded polystyrene, some 10 kg/m3 (recalled).
-  static constexpr double lightest_solid = 10;  // [kg/m3]
-  /// In a fluid, bubbles can be as light as gases: hydrogen at 0.1 bar and 20 C has 0.008 kg/m3
-  /// (computed, ideal gas).
-  static constexpr double lightest_bubble = 1e-3;  // [kg/m3]
-  /// Diameter of grains of 2 mm whose radius is given as 1. Boulders of 1 m are below.
-  static constexpr double largest_grain = 2;  // [m]
-  /// Earth's gravity, also rounded to 10. In mm/s2 it is a thousand times larger, above that of
-  /// centrifuges of some hundred g.
-  static constexpr double least_g = 9.7, most_g = 10.1;  // [m/s2]
-  /// Only cryogenics are colder, and everyday temperatures in degrees Celsius are below.
-  static constexpr double coldest = 100;  // [K]
-  /// Distance of an outlet in units of the size of the scene and the width of a throw.
-  static constexpr double far_off = 100;  // [-]
-  /// Share of the due particles of an inlet that wait.
-  static constexpr double waiting_share = 0.1;  // [-]
-  /// A contact that a particle's own motion or weight makes is seldom deeper than 1 %. One of 5 %
-  /// in a stiff material throws particles apart at metres per second.
-  static constexpr double start_overlap = 0.05;  // [-] of the smaller radius
-  /// Strengths of one size scatter by a factor of some 2 to each side. If all loads are below a
-  /// tenth of any strength, the scene cannot be meant to break particles.
-  static constexpr double far_from_breaking = 0.1;  // [-] of the strength
-  /// A particle hit at ten times the speed that breaks it has a load of 16 strengths as a force,
-  /// 100 as an energy. If most breakages have more, strengths are in other units.
-  static constexpr double far_above_breaking = 100;  // [-] of the strength
-};
-
 namespace detail {
-
-/// Three significant digits.
-[[gnu::cold]] inline std::string about(double value) {
-  char digits[32];
-  std::snprintf(digits, sizeof digits, "%.3g", value);
-  return digits;
-}
 
 /// Whether gravity is Earth's in m/s2, or with `unit` 100 or 1000 in cm/s2 or mm/s2.
 inline bool is_earths(const Vec3d& gravity, double unit) {
@@ -311,18 +274,23 @@ void warn_of_grid(const Sim& sim, DynArray<std::string>& out) {
 
 }  // namespace detail
 
-/// Warnings of a scene before it runs: outlets, gravity, units, temperatures, the flow's grid.
+/// Warnings of a scene before it runs: outlets, gravity, units, temperatures, the flow's grid, and
+/// single settings (setup_warnings.hpp).
 /// Empty if there are none. On many ranks equal on each, and collective (RankAccess).
 template <class Sim>
 [[gnu::cold]] DynArray<std::string> scene_warnings(const Sim& sim) {
   DynArray<std::string> out;
   const detail::SceneLook look = detail::look_at(sim);
   for (std::size_t k = 0; k < sim.outlets(); ++k)
-    if (!detail::warn_of_outside(sim, look, k, out)) detail::warn_of_thin(sim, look, k, out);
+    if (!detail::warn_of_outside(sim, look, k, out) && !detail::warn_of_emptying(sim, look, k, out))
+      detail::warn_of_thin(sim, look, k, out);
   detail::warn_of_gravity(sim, look, out);
   detail::warn_of_units(sim, look, out);
   detail::warn_of_temperatures(sim, out);
   detail::warn_of_grid(sim, out);
+  detail::warn_of_friction(sim, out);
+  detail::warn_of_meshes(sim, look, out);
+  detail::warn_of_late_motions(sim, out);
   return out;
 }
 

@@ -34,7 +34,7 @@ std::size_t Simulation<Policies...>::add_wall(Surfaces surfaces,
   detail::check_drive(setup.drive);
   detail::check_fits(setup.drive, wall.extent);
   wall.material = contacts_.add(solid, std::move(setup.material));
-  wall.pose = wall.last_pose = wall.pose_at(time_);
+  wall.pose = wall.last_pose = wall.pose_at(time_), wall.added = time_;
   wall.reference = detail::turns_about(wall.motion, setup.drive);
   engine_.walls.push_back(std::move(wall));
   if (is_driven) this->release(k, std::move(setup.drive));

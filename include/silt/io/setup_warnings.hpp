@@ -1,0 +1,108 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <silt/boundary/motion.hpp>
+#include <silt/boundary/wall.hpp>
+#include <silt/core/error.hpp>
+#include <silt/io/scene_look.hpp>
+#include <silt/io/warning_limits.hpp>
+
+/// Warnings about single settings of a scene: friction, the size of a mesh, an outlet, a motion.
+/// Parts of scene_warnings() (io/scene_warnings.hpp). Tests: tests/io/scene_warnings.cpp.
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Friction [-] in the coefficients of a law, also of one that others are built on; else 0.
+template <class Coefficients>
+double friction_of(const Coefficients& c) {
+  if constexpr (requires { c.friction; })
+    return c.friction;
+  else if constexpr (requires { c.body; })
+    return friction_of(c.body);
+  else
+    return 0;
+}
+
+/// A coefficient in per cent is accepted by every law.
+template <class Sim>
+void warn_of_friction(const Sim& sim, std::vector<std::string>& out) {
+  const auto& contacts = sim.contacts();
+  double most = 0;
+  std::size_t i = 0, j = 0;
+  for (std::size_t a = 0; a < contacts.materials(); ++a)
+    for (std::size_t b = 0; b <= a; ++b) {
+      if (!contacts.has_pair(a, b)) continue;
+      if (const double mu = friction_of(contacts.coefficients(a, b)); mu > most)
+        most = mu, i = b, j = a;
+    }
+  if (!(most > WarningLimits::most_friction)) return;
+  out.push_back(text("friction = ", about(most), " [-] between ", contacts.material_name(i),
+                     " and ", i == j ? std::string("itself") : contacts.material_name(j),
+                     " is larger than that of any solid, which is seldom above 1; if it was meant "
+                     "in per cent, give ",
+                     about(most / 100)));
+}
+
+/// A file in mm read as if it were in m.
+template <class Sim>
+void warn_of_meshes(const Sim& sim, const SceneLook& look, std::vector<std::string>& out) {
+  if (look.is_empty() || (look.particles < WarningLimits::few && sim.inlets() == 0)) return;
+  const double size = norm(look.centres.grown(look.largest_radius).extent());
+  for (std::size_t w = 0; w < sim.walls(); ++w)
+    for (const Surface& surface : sim.wall(w).surfaces) {
+      if (!is_mesh(surface)) continue;
+      const double mesh =
+          norm(visit_surface(surface, [](const auto& s) { return s.bounds(); }).extent());
+      if (!(mesh > WarningLimits::largest_mesh * size)) continue;
+      out.push_back(text("the mesh of ", sim.wall_name(w), " measures ", about(mesh), " m, ",
+                         about(mesh / size), " times the ", about(size),
+                         " m of all particles and inlets; if its file is in mm, read it with a "
+                         "scale, as by mesh_wall(file, 1e-3)"));
+      return;
+    }
+}
+
+/// Warns of an outlet around the particles that are there; false if it is in order.
+template <class Sim>
+bool warn_of_emptying(const Sim& sim, const SceneLook& look, std::size_t outlet,
+                      std::vector<std::string>& out) {
+  const Box& region = sim.outlet(outlet).region;
+  if (look.particles < WarningLimits::few || sim.outlet(outlet).count > 0) return false;
+  double inside = 0;
+  for (std::size_t k = 0; k < sim.rows(); ++k)
+    inside += sim.is_present(k) && region.contains(sim.position(k));
+  inside = sim.sum_over_ranks(inside);
+  const auto all = static_cast<double>(look.particles);
+  if (inside < all && (sim.step() > 0 || inside <= WarningLimits::emptied_at_start * all))
+    return false;
+  out.push_back(text("outlet ", outlet, " from ", region.min, " to ", region.max, " m contains ",
+                     static_cast<std::size_t>(inside), " of ", look.particles,
+                     " particles and will remove them in the first step; give it the place where "
+                     "particles are to leave"));
+  return true;
+}
+
+/// A wall that was added just now, in a scene that has run, and whose motion has moved it off the
+/// surface that was given. A wall that turns stays in its place.
+template <class Sim>
+void warn_of_late_motions(const Sim& sim, std::vector<std::string>& out) {
+  for (std::size_t w = 0; w < sim.walls(); ++w) {
+    const Wall& wall = sim.wall(w);
+    if (!(wall.added > 0) || wall.added != sim.time() || !wall.motion || wall.state.changed != 0 ||
+        wall.motion.template target<Rotation>() != nullptr)
+      continue;
+    const Pose& p = wall.pose;
+    const double turned = norm(Vec3d{p.rotation.x, p.rotation.y, p.rotation.z});
+    if (!(norm(p.translation) > 0) && !(turned > 0)) continue;
+    out.push_back(text(sim.wall_name(w), " was added at ", about(wall.added),
+                       " s, and its motion, which counts from time 0, has already moved it by ",
+                       p.translation, " m; let the motion begin now: from(sim.time(), motion)"));
+  }
+}
+
+}  // namespace silt::detail
