@@ -65,6 +65,7 @@ void change(Sim& sim, int call) {
   sim.set_velocity(17, {0.3, 0.1 * call, 0.5});
   sim.set_angular_velocity(40, {10, 20, 3});
   sim.set_material(25, call % 2);
+  if (call == 2) sim.time_step = 1.6e-5;
   for (std::size_t k = 0; k < sim.rows(); ++k)
     if (sim.is_present(k) && sim.id(k) % 7 == 3)
       sim.set_radius(sim.id(k), sim.radius(k) * (call % 2 ? 1.01 : 0.995));

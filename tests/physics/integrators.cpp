@@ -177,6 +177,15 @@ TEST_CASE("integrators: a step that changes in the middle of an impact, and a re
     changed.time_step = 1e-7;
     changed.run(2e-4 - 3e-5);
     CHECK(changed.velocity(1).x == near(steady.velocity(1).x).epsilon(tolerance));
+    // By an observer, at the same step. Catches a time_step that a run ignores until the next one.
+    auto observed = make();
+    observed.run(2e-4, silt::at(silt::every(3e-5), [](auto& s) {
+                   if (s.time() > 1e-5) s.time_step = 1e-7;
+                 }));
+    CHECK(observed.step_length() == 1e-7);
+    CHECK(observed.step() == changed.step());
+    CHECK(observed.velocity(1).x == near(changed.velocity(1).x).epsilon(1e-12));
+    CHECK(observed.angular_velocity(1).z == near(changed.angular_velocity(1).z).epsilon(1e-12));
 
     const std::string file =
         (std::filesystem::temp_directory_path() / ("silt_integrator_" + std::to_string(::getpid())))
@@ -193,6 +202,18 @@ TEST_CASE("integrators: a step that changes in the middle of an impact, and a re
   // Impacts of 300 steps; for symplectic Euler a new step is an error of first order.
   check(silt::VelocityVerlet{}, 2e-4), check(silt::SymplecticEuler{}, 1e-3);
   check(silt::Gear{}, 2e-4);
+}
+
+// An observer's step is checked as that of a run.
+TEST_CASE("integrators: a step that an observer makes too long is refused") {
+  silt::Particles<silt::Sphere> spheres;
+  spheres.add({{0, 0, 0}, radius, density, {1, 0, 0}});
+  spheres.add({{3 * radius, 0, 0}, radius, density});
+  silt::Simulation sim{spheres, silt::Contacts<silt::HertzMindlin>{{1e8, 0.25, 1, 0.4}}};
+  const auto set = [](auto& s) { s.time_step = 1e-3; };
+  CHECK_THROWS_WITH_AS(sim.run(1e-3, silt::at(silt::every(1e-4), set)),
+                       doctest::Contains("Simulation::time_step = 0.001 [s] is above the limit"),
+                       silt::InputError);
 }
 
 TEST_CASE("integrators: what Gear keeps of a particle") {

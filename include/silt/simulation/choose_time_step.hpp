@@ -203,6 +203,20 @@ void Simulation<Policies...>::change_step(double dt) {
   if constexpr (has_breakage) breaks_.sizes.coming_step = 0;
 }
 
+/// Takes a time_step that observers have set, from the next drift on, with the checks of the start
+/// of a run. Ranks must set the same.
+template <class... Policies>
+void Simulation<Policies...>::follow_time_step() {
+  const auto change = [this] { change_step(chosen_time_step()), engine_.include_speeds(); };
+  if constexpr (has_ranks) {
+    share_scene();
+    if constexpr (has_bonds) this->share_bonds();
+    engine_.ranks.together("a time step that observers set", change);
+  } else {
+    change();
+  }
+}
+
 /// Checks, in a step that stops between kick and drift, whether the time step still suits the
 /// smallest particles present; needed if the smallest or the fastest have changed. If a law's
 /// safeguard has ended a contact in this very step, which needs the whole kick, the check is
