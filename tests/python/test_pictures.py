@@ -722,6 +722,22 @@ class WallsAlone(unittest.TestCase):
             self.assertFalse(any((colourful(image) > 0.15).any() for image in shown.values()))  # of bodies
 
 
+    def test_a_cylinder_that_is_cut_along_its_axis_keeps_both_side_lines(self):
+        """Catches the side line whose points are by rounding on the side that is left out."""
+        turn = np.arange(64) * 2 * np.pi / 64
+        rim = 0.04 * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        points = np.concatenate([np.insert(rim, 2, z, axis=1) for z in (0, 0.3)])
+        self.assertLess(abs(points[32, 1]), 1e-16)
+        k = np.arange(64)
+        right = np.roll(k, -1)
+        triangles = np.concatenate([np.stack([k, right, k + 64], axis=1), np.stack([right, right + 64, k + 64], axis=1)])
+        for words in ("y=0", "y>0", "y<0"):
+            axes = view_axes("front")
+            edges = Cut(words, axes).clip(drawing.wall_edges(points, triangles, axes[2]))
+            sides = edges[np.ptp(edges[:, :, 2], axis=1) > 0.2]
+            self.assertEqual(sorted(np.round(sides[:, 0, 0], 9)), [-0.04, 0.04], words)
+
+
 class Tables(Refuses, unittest.TestCase):
     """`silt curves` and `silt cells`."""
 

@@ -53,10 +53,12 @@ class Cut:
         return self.sign * (points[..., self.axis] - self.value)
 
     def clip(self, segments: np.ndarray) -> np.ndarray:
-        """The parts of the segments (n, 2, 3) in the half that is kept."""
+        """The parts of the segments (n, 2, 3) in the half that is kept, and those in the plane: side lines of
+        a round wall that is cut along its axis lie there but for rounding."""
         d = self.beyond(segments)
-        segments = segments[(d >= 0).any(axis=1)].copy()
-        d = self.beyond(segments)
+        d[np.abs(d) < 1e-9 * np.abs(segments).max(initial=0)] = 0
+        kept = (d >= 0).any(axis=1)
+        segments, d = segments[kept].copy(), d[kept]
         for end in (0, 1):
             out = d[:, end] < 0
             part = (d[out, 1 - end] / (d[out, 1 - end] - d[out, end]))[:, None]
