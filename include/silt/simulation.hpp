@@ -305,7 +305,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   double step_for(double speed, double contact) const;
   double coming_step() const;
   void change_step(double dt);
-  void follow_time_step();
+  bool follow_time_step(bool observed);
   void follow_sizes();
   std::int64_t last_step(double end) const {  // a difference within rounding is not a step
     return step_ + static_cast<std::int64_t>(std::ceil((end - time_) / dt_ - 1e-6));

@@ -203,18 +203,25 @@ void Simulation<Policies...>::change_step(double dt) {
   if constexpr (has_breakage) breaks_.sizes.coming_step = 0;
 }
 
-/// Takes a time_step that observers have set, from the next drift on, with the checks of the start
-/// of a run. Ranks must set the same.
+/// Between kick and drift: takes a time_step that observers have set, with the checks of the start
+/// of a run (ranks must set the same), or the step that breakage has chosen. Returns whether the
+/// step has changed.
 template <class... Policies>
-void Simulation<Policies...>::follow_time_step() {
-  const auto change = [this] { change_step(chosen_time_step()), engine_.include_speeds(); };
-  if constexpr (has_ranks) {
-    share_scene();
-    if constexpr (has_bonds) this->share_bonds();
-    engine_.ranks.together("a time step that observers set", change);
-  } else {
-    change();
+bool Simulation<Policies...>::follow_time_step(bool observed) {
+  if (observed && time_step && *time_step != dt_) {
+    const auto change = [this] { change_step(chosen_time_step()), engine_.include_speeds(); };
+    if constexpr (has_ranks) {
+      share_scene();
+      if constexpr (has_bonds) this->share_bonds();
+      engine_.ranks.together("a time step that observers set", change);
+    } else {
+      change();
+    }
+    return true;
   }
+  if (coming_step() == dt_) return false;
+  change_step(coming_step()), engine_.include_speeds();
+  return true;
 }
 
 /// Checks, in a step that stops between kick and drift, whether the time step still suits the

@@ -59,11 +59,7 @@ void Simulation<Policies...>::run_steps(double duration, Observers&... observers
       if (scene_changed_) this->check_pairs();
     }
     if (stop) break;
-    if (kicked_ && sizeof...(Observers) > 0 && time_step && *time_step != dt_)
-      follow_time_step(), last = last_step(end);
-    if constexpr (has_breakage)
-      if (kicked_ && coming_step() != dt_)
-        change_step(coming_step()), engine_.include_speeds(), last = last_step(end);
+    if (kicked_ && follow_time_step(sizeof...(Observers) > 0)) last = last_step(end);
     finish_step();
   }
   detail::on_all_ranks(*this, "the end of observers",
