@@ -169,10 +169,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   /// See also WallSetup, and WallAccess for reading and changing walls.
   std::size_t add_wall(Surfaces surfaces, const typename ContactsType::Material& solid,
                        WallSetup setup = {});
-  template <std::convertible_to<Motion> M>
-  std::size_t add_wall(Surfaces surfaces, const typename ContactsType::Material& solid, M motion) {
-    return add_wall(std::move(surfaces), solid, WallSetup{.motion = std::move(motion)});
-  }
+  using detail::WallAccess<Simulation>::add_wall;  // with a motion in place of the setup
 
   /// Adds further particles now. Returns the number in forms() of each of their forms: a new one,
   /// or that of an equal form already present; empty for spheres.

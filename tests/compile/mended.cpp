@@ -96,6 +96,12 @@ namespace rolling_with_if {
 namespace rolling_without_model {
 #include "refused/rolling_without_model.cpp"
 }
+namespace material_of_another_law {
+#include "refused/material_of_another_law.cpp"
+}
+namespace wall_of_another_law {
+#include "refused/wall_of_another_law.cpp"
+}
 namespace rolling_of_doubles {
 #include "refused/rolling_of_doubles.cpp"
 }

@@ -334,6 +334,9 @@ TEST_CASE("inlet: values that make no sense are refused by name") {
   CHECK(has_words(refused([](auto& f) { f.density = 0; }), {"InletFlow.density = 0 [kg/m3]"}));
   CHECK(has_words(refused([](auto& f) { f.rate = std::numeric_limits<double>::infinity(); }),
                   {"InletFlow.rate = inf [1/s]"}));
+  // Catches a message that does not say that mass_rate would do.
+  CHECK(has_words(refused([](auto& f) { f.rate = 0; }),
+                  {"InletFlow.rate = 0 [1/s] and mass_rate = 0 [kg/s]", "give one of them"}));
   CHECK(has_words(refused([](auto& f) { f.interval = -1; }), {"InletFlow.interval = -1 [s]"}));
   CHECK(has_words(refused([](auto& f) { f.velocity.x = std::nan(""); }),
                   {"InletFlow.velocity = (nan, 0, -1) [m/s]"}));

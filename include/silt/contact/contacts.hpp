@@ -40,6 +40,15 @@ struct RollingOf<First, Rest...> {
                                            RollingOf<Rest...>>::type;
 };
 
+template <class Other>
+void refuse_material() {
+  static_assert(
+      std::is_void_v<Other>,
+      "the material is of another law than that of Contacts<Law>: give a Law::Material; that of "
+      "Cohesive<...> has two parts, {.body = ..., .cohesion = ...}, that of Softened<...> has "
+      ".solid");
+}
+
 /// Values of the rolling models, to recognise them where there is no model.
 struct RollingValues {
   double rolling_friction = 0, twisting_friction = 0, damping = 0, rolling_viscosity = 0;
@@ -101,6 +110,12 @@ class Contacts {
     for (const auto& m : materials) add(m);
   }
 
+  /// Refused: the material of another law.
+  template <class Other>
+  requires(std::is_class_v<Other>&& std::is_aggregate_v<Other> &&
+           !std::is_convertible_v<const Other&, Material>) explicit Contacts(const Other&) {
+    detail::refuse_material<Other>();
+  }
   /// Refused: rolling values without a rolling model.
   template <bool HasModel = has_rolling>
   Contacts(const Material&, const detail::RollingValues&) requires(!HasModel) {

@@ -1,14 +1,17 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include <silt/boundary/deforming_box.hpp>
 #include <silt/boundary/wall.hpp>
+#include <silt/contact/contacts.hpp>
 #include <silt/engine/advance/wall_motion.hpp>
 #include <silt/engine/checks/ended_contacts.hpp>
 
@@ -31,6 +34,23 @@ class WallAccess {
   const Wall& wall(const WhichWall& which) const {
     const auto& walls = sim().engine().walls;
     return walls[number_of(walls, which)];
+  }
+  /// See Simulation::add_wall.
+  template <std::convertible_to<Motion> M, class S = Sim>
+  std::size_t add_wall(Surfaces surfaces, const typename S::ContactsType::Material& solid,
+                       M motion) {
+    return sim().add_wall(std::move(surfaces), solid, WallSetup{.motion = std::move(motion)});
+  }
+  /// Refused: the material of another law.
+  template <class Other, class S = Sim>
+  requires(!std::is_convertible_v<const Other&, typename S::ContactsType::Material>) std::size_t
+      add_wall(const Surfaces&, const Other&, const WallSetup& = {}) {
+    return refuse_material<Other>(), 0;
+  }
+  template <class Other, std::convertible_to<Motion> M, class S = Sim>
+  requires(!std::is_convertible_v<const Other&, typename S::ContactsType::Material>) std::size_t
+      add_wall(const Surfaces&, const Other&, const M&) {
+    return refuse_material<Other>(), 0;
   }
   std::size_t walls() const { return sim().engine().walls.size(); }
   std::size_t wall_number(const WhichWall& which) const {

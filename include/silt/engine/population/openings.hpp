@@ -119,6 +119,8 @@ class Openings {
   template <Region R>
   std::size_t add_inlet(const R& region, const InletFlow& flow, double time) {
     require_positive("InletFlow.density", flow.density, "kg/m3");
+    require(flow.rate != 0,
+            "InletFlow.rate = 0 [1/s] and mass_rate = 0 [kg/s]: give one of them, greater than 0");
     require_positive("InletFlow.rate", flow.rate, "1/s");
     for (std::size_t k = 1; k < flow.kinds(); ++k) {
       require_positive("InletShare.density", flow.kind(k).density, "kg/m3");
