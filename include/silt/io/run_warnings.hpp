@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/io/scene_warnings.hpp>
 
@@ -22,7 +22,7 @@ namespace silt::inline SILT_TARGET {
 /// that start deep in each other or in a wall. Empty later, and without them. On many ranks equal
 /// on each, and collective.
 template <class Sim>
-[[gnu::cold]] std::vector<std::string> overlap_warnings(const Sim& sim) {
+[[gnu::cold]] DynArray<std::string> overlap_warnings(const Sim& sim) {
   const auto own = sim.overlap_at_start(WarningLimits::start_overlap);
   const double n = sim.sum_over_ranks(static_cast<double>(own.beyond));
   if (!(n > 0)) return {};
@@ -63,8 +63,8 @@ std::string why_nothing_came(const Sim& sim, const Inlet& inlet) {
 /// Warnings after a run: inlets that placed fewer particles than due. A delay of at most one
 /// insertion does not count, or of half of one where there were two and it cannot be made up.
 template <class Sim>
-[[gnu::cold]] std::vector<std::string> inlet_warnings(const Sim& sim) {
-  std::vector<std::string> out;
+[[gnu::cold]] DynArray<std::string> inlet_warnings(const Sim& sim) {
+  DynArray<std::string> out;
   for (std::size_t k = 0; k < sim.inlets(); ++k) {
     const Inlet& inlet = sim.inlet(k);
     const auto waiting = static_cast<double>(inlet.waiting);
@@ -85,9 +85,9 @@ template <class Sim>
 
 /// Warnings after a run of a fluid that has some: an Sph whose liquid has left its region.
 template <class Sim>
-[[gnu::cold]] std::vector<std::string> fluid_warnings(const Sim& sim) {
+[[gnu::cold]] DynArray<std::string> fluid_warnings(const Sim& sim) {
   if constexpr (requires {
-                  { sim.fluid().warnings() } -> std::convertible_to<std::vector<std::string>>;
+                  { sim.fluid().warnings() } -> std::convertible_to<DynArray<std::string>>;
                 })
     return sim.fluid().warnings();
   else

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <string>
-#include <vector>
 
 #include <silt/boundary/motion.hpp>
 #include <silt/boundary/wall.hpp>
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/io/scene_look.hpp>
 #include <silt/io/warning_limits.hpp>
@@ -30,7 +30,7 @@ double friction_of(const Coefficients& c) {
 
 /// A coefficient in per cent is accepted by every law.
 template <class Sim>
-void warn_of_friction(const Sim& sim, std::vector<std::string>& out) {
+void warn_of_friction(const Sim& sim, DynArray<std::string>& out) {
   const auto& contacts = sim.contacts();
   double most = 0;
   std::size_t i = 0, j = 0;
@@ -50,7 +50,7 @@ void warn_of_friction(const Sim& sim, std::vector<std::string>& out) {
 
 /// A file in mm read as if it were in m.
 template <class Sim>
-void warn_of_meshes(const Sim& sim, const SceneLook& look, std::vector<std::string>& out) {
+void warn_of_meshes(const Sim& sim, const SceneLook& look, DynArray<std::string>& out) {
   if (look.is_empty() || (look.particles < WarningLimits::few && sim.inlets() == 0)) return;
   const double size = norm(look.centres.grown(look.largest_radius).extent());
   for (std::size_t w = 0; w < sim.walls(); ++w)
@@ -70,7 +70,7 @@ void warn_of_meshes(const Sim& sim, const SceneLook& look, std::vector<std::stri
 /// Warns of an outlet around the particles that are there; false if it is in order.
 template <class Sim>
 bool warn_of_emptying(const Sim& sim, const SceneLook& look, std::size_t outlet,
-                      std::vector<std::string>& out) {
+                      DynArray<std::string>& out) {
   const Box& region = sim.outlet(outlet).region;
   if (look.particles < WarningLimits::few || sim.outlet(outlet).count > 0) return false;
   double inside = 0;
@@ -90,7 +90,7 @@ bool warn_of_emptying(const Sim& sim, const SceneLook& look, std::size_t outlet,
 /// A wall that was added just now, in a scene that has run, and whose motion has moved it off the
 /// surface that was given. A wall that turns stays in its place.
 template <class Sim>
-void warn_of_late_motions(const Sim& sim, std::vector<std::string>& out) {
+void warn_of_late_motions(const Sim& sim, DynArray<std::string>& out) {
   for (std::size_t w = 0; w < sim.walls(); ++w) {
     const Wall& wall = sim.wall(w);
     if (!(wall.added > 0) || wall.added != sim.time() || !wall.motion || wall.state.changed != 0 ||
