@@ -316,6 +316,8 @@ TEST_CASE("belts: a ball that rolls on a turntable keeps its speed, as on a wall
   CHECK(std::abs(speed(ball, true, false, silt::Mixed{})) < 2e-6);
   CHECK(std::abs(speed(ball, true, false, silt::SymplecticEuler{})) < 2e-6);
   CHECK(std::abs(speed(body, true, false)) < 2e-6);
+  CHECK(std::abs(speed(body, false, false)) < 2e-6);
+  CHECK(std::abs(speed(body, false, true)) < 2e-6);
 }
 
 // Catches work of a turntable that does not match its friction: the residual was 8e-5 of the work.

@@ -316,6 +316,10 @@ class ConvexWalls {
     if (wall.moves()) {
       wall_velocity = mean_velocity(wall, on_wall, in.times.step);
       wall_spin = mean_angular_velocity(wall.last_pose, wall.pose, in.times.step);
+      // Of the point that was under the contact half a step ago, as velocity_of_wall(); `arm` is
+      // that of now, as in velocity_at().
+      wall_velocity +=
+          cross(wall_spin, in.times.lag * in.times.step * (wall_velocity - body.velocity));
     }
     Vec3d surface_spin = wall_spin;  // which does not turn the normal
     if (wall.is_in_itself_moving()) {
