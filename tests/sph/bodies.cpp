@@ -121,6 +121,21 @@ TEST_CASE("SPH: what is read between steps changes no bit") {
   CHECK(state_of(read) == state_of(quiet));
 }
 
+TEST_CASE("SPH: loads on walls after a checkpoint was loaded are those before") {
+  // They were those of bodies at the origin and at rest.
+  const std::string path =
+      (std::filesystem::temp_directory_path() / "silt_sph_loads.silt").string();
+  auto sim = two_balls();
+  sim.run(2e-3);
+  save_checkpoint(sim, path);
+  const auto loads = sph_test::loads_of(sim);
+  auto again = two_balls(path);
+  CHECK(sph_test::loads_of(again) == loads);
+  again.run(4e-4), sim.run(4e-4);
+  CHECK(sph_test::loads_of(again) == sph_test::loads_of(sim));
+  std::filesystem::remove(path);
+}
+
 template <class Walls>
 double buoyancy(const Walls& walls) {  // over that of the sphere's volume
   const double g = 9.81, side = 0.16;

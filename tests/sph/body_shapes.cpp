@@ -121,8 +121,10 @@ TEST_CASE("SPH with bodies in a Simulation: same bits with threads, and from a c
   auto sim = raft();
   sim.run(0.01);
   save_checkpoint(sim, path);
+  const auto loads = sph_test::loads_of(sim);
   sim.run(0.0104);
   auto again = raft(path);
+  CHECK(sph_test::loads_of(again) == loads);  // with the bodies where and as they were
   again.threads = 3;
   again.run(0.0104);
   CHECK(state_of(again) == state_of(sim));

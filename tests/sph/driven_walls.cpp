@@ -266,8 +266,10 @@ TEST_CASE("SPH: driven walls: same bits with threads, and from a checkpoint on")
   auto sim = cell(drive, 1e-4);
   sim.run(0.0153);
   save_checkpoint(sim, path);
+  const auto loads = sph_test::loads_of(sim, 4);
   sim.run(0.0151);
   auto again = cell(drive, 1e-4, path);
+  CHECK(sph_test::loads_of(again, 4) == loads);  // with the lid where it was, and as fast
   again.threads = 3;
   again.run(0.0151);
   CHECK(state_of(again) == state_of(sim));

@@ -53,4 +53,15 @@ std::vector<double> state_of(const Sim& sim, std::size_t bodies) {
   return all;
 }
 
+/// Present loads of the liquid on the first `walls` walls.
+template <class Sim>
+std::vector<double> loads_of(const Sim& sim, std::size_t walls = 1) {
+  std::vector<double> all;
+  for (std::size_t w = 0; w < walls; ++w) {
+    const auto [force, torque] = sim.fluid().wall_load(w, {0.01, 0.02, 0.03});
+    for (const silt::Vec3d& a : {force, torque}) all.insert(all.end(), {a.x, a.y, a.z});
+  }
+  return all;
+}
+
 }  // namespace sph_test

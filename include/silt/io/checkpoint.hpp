@@ -74,12 +74,13 @@ class Checkpoint {
       }
     });
     staged->put_into(sim, accepted);
+    if constexpr (Sim::FluidIs::pushes_walls) sim.prepare_fluid();  // a liquid knows walls by it
   }
 
   /// Programs that can continue from the file: the policies that determine the state and the
   /// contact history.
   static std::string signature() {
-    return text("silt state 20; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
+    return text("silt state 21; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
                 "; domain ", name_of<typename Sim::Domain>(), "; precision ",
                 name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "",

@@ -138,29 +138,37 @@ class BodyPoints {
     return other;
   }
 
-  /// For a state: eight numbers per point, two per body; set() gives the rest.
-  DynArray<double> points() const {
-    DynArray<double> all;
+  /// For a state: eight numbers per point, sixteen per body.
+  std::vector<double> points() const {
+    std::vector<double> all;
     for (const Point& p : points_)
       all.insert(all.end(), {p.at.x, p.at.y, p.at.z, p.ghost.x, p.ghost.y, p.ghost.z, p.share,
                              static_cast<double>(p.body)});
     return all;
   }
-  DynArray<double> kinds() const {
-    DynArray<double> all;
-    for (const Body& b : bodies) all.insert(all.end(), {b.radius, static_cast<double>(b.form)});
+  std::vector<double> kinds() const {
+    std::vector<double> all;
+    for (const Body& b : bodies) {
+      all.insert(all.end(), {b.radius, static_cast<double>(b.form), b.reach});
+      for (const Vec3d& x : {b.centre, b.velocity, b.spin})
+        all.insert(all.end(), {x.x, x.y, x.z});
+      all.insert(all.end(), {b.axes.w, b.axes.x, b.axes.y, b.axes.z});
+    }
     return all;
   }
   void restore(std::span<const double> kinds, std::span<const double> points) {
-    const std::size_t n = kinds.size() / 2, of = points.size() / 8;
-    require(kinds.size() == 2 * n && points.size() == 8 * of, "Sph: a state of bodies has ",
+    const std::size_t n = kinds.size() / 16, of = points.size() / 8;
+    require(kinds.size() == 16 * n && points.size() == 8 * of, "Sph: a state of bodies has ",
             kinds.size(), " and ", points.size(), " numbers");
     const auto whole = [](double a) { return a == std::floor(a) && a >= 0 && a < 4.3e9; };
     bodies.assign(n, {}), points_.clear(), ++version_;
     for (std::size_t b = 0; b < n; ++b) {
-      require(whole(kinds[2 * b + 1]), "Sph: body ", b, " of a state has form ", kinds[2 * b + 1]);
-      bodies[b].radius = kinds[2 * b];
-      bodies[b].form = static_cast<std::uint32_t>(kinds[2 * b + 1]);
+      const double* const a = kinds.data() + 16 * b;
+      require(whole(a[1]), "Sph: body ", b, " of a state has form ", a[1]);
+      bodies[b].radius = a[0], bodies[b].form = static_cast<std::uint32_t>(a[1]);
+      bodies[b].reach = a[2], bodies[b].centre = {a[3], a[4], a[5]};
+      bodies[b].velocity = {a[6], a[7], a[8]}, bodies[b].spin = {a[9], a[10], a[11]};
+      bodies[b].axes = {a[12], a[13], a[14], a[15]};
     }
     for (std::size_t k = 0; k < of; ++k) {
       const double* const p = points.data() + 8 * k;

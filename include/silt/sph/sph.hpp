@@ -22,6 +22,7 @@
 #include <silt/sph/lattice_fit.hpp>
 #include <silt/sph/policies.hpp>
 #include <silt/sph/setup.hpp>
+#include <silt/sph/wall_reading.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -83,6 +84,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   static constexpr bool active = true, turns = true;
   FluidClock clock;
   void prepare(const FluidScene& scene) {
+    is_hosted_ = true, reading_.known = false;
     for (std::size_t d = 0; d < 3; ++d)
       require(scene.periodic[d] == setup().periodic[d], "Sph: its region ",
               setup().periodic[d] ? "repeats" : "does not repeat", " in ", "xyz"[d],
@@ -120,6 +122,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
           " is too light compared with the liquid for steps of ", dt,
           " s; set Simulation::time_step to less than ", longest,
           " s, or give the wall a larger mass or inertia"));
+    reading_.known = false;
     core().take_particles(of);
     std::fill(force.begin(), force.end(), Vec3d{0, 0, 0});
     std::fill(torque.begin(), torque.end(), Vec3d{0, 0, 0});
@@ -203,7 +206,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
       throw InputError(text("Sph::fill: there is no place for liquid: ",
                             detail::sph_why_empty(setup(), core().solids.walls, inside)));
     if (core().steps == 0) detail::refuse_misfit(core().solids.walls, places(before), setup());
-    core().renewed();
+    core().renewed(), reading_.known = false;
     if (!core().solids.bodies.empty()) core().make_room_for_bodies();
     return core().next_number - before;
   }
@@ -254,7 +257,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
             " s, which a Courant number of ", SphSetup::most_courant,
             " gives in the present state; use longest_step(), now ", usual,
             " s, or run(duration), which chooses its steps");
-    core().step(dt, team);
+    core().step(dt, team), reading_.known = false;
   }
 
   double time() const { return core().time; }            // [s]
@@ -330,31 +333,24 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   const auto& closure() const requires(Axes::Grains::averaged) { return core().grains.closure; }
   const auto& last_exchange() const requires(Axes::Grains::averaged) { return core().grains.last; }
   /// Present load of the liquid on a wall: force [N] ([N/m] in 2D), torque [N m] about `about` [m].
+  /// It changes nothing, to the last bit: in a Simulation the first reading between two steps
+  /// computes on a copy of the liquid.
   std::pair<Vec3d, Vec3d> wall_load(std::size_t wall, const Vec3d& about = {0, 0, 0},
                                     const Team& team = {}) const {
-    Core& own = const_cast<Sph&>(*this).core();  // only recomputes rates
-    const auto& solid = own.solids.walls;
+    const auto& solid = core().solids.walls;
     require(wall < solid.walls(), "Sph::wall_load: there is no wall ", wall, "; there are ",
-            solid.walls());
-    own.find_rates(team);
-    const bool open = openings() > 0;
-    if (open)
-      detail::sph_without_buffers(own, team, [&] { detail::sph_solid_rates(own, team); });
-    else if constexpr (Axes::Walls::mirrored)
-      detail::sph_solid_rates(own, team);
-    Vec3d force{0, 0, 0}, torque{0, 0, 0};
-    for (std::size_t k = 0; k < solid.size(); ++k) {
-      if (solid.wall_of(k) != wall) continue;
-      const Vec3d f = own.solids.force_on(k, own.columns, particle_mass());
-      force += f, torque += cross(solid.place(k) - about, f);
+            solid.walls(),
+            is_hosted_ || solid.walls() > 0 ? ""
+                                            : "; those of a Simulation are known from its first "
+                                              "run on");
+    if (!is_hosted_) {
+      reading_.find(const_cast<Sph&>(*this).core(), team);  // the next step starts with its rates
+    } else if (!reading_.known || !(reading_.gravity == core().gravity)) {
+      Core copy = core();
+      reading_.find(copy, team);
+      reading_.known = true, reading_.gravity = core().gravity;
     }
-    own.gaps.find(own, team);
-    for (const auto& push : own.gaps.pushes())
-      if (push.wall == wall)
-        force -= push.force,
-            torque -= cross(own.solids.bodies.place(push.point) - about, push.force);
-    if (open && !Axes::Walls::mirrored) detail::sph_solid_rates(own, team);  // as they were
-    return {force, torque};
+    return reading_.load(wall, about);
   }
   /// Writes the liquid as points for ParaView (.vtp).
   void write(const std::string& path) const {
@@ -444,6 +440,8 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
                  z = random.uniform(-farthest, farthest);
     return site + Vec3d{x, setup().dimensions == 2 ? 0 : y, z};
   }
+  bool is_hosted_ = false;                   // by a Simulation
+  mutable detail::SphWallReading reading_{};  // of the present state
   /// Number of the lattice cell at a point.
   std::uint64_t site_of(const Vec3d& x) const {
     const Vec3d at = (1 / setup().spacing) * (x - setup().region.min);

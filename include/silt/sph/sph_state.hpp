@@ -19,6 +19,7 @@ template <class... Policies>
 template <class Visit>
 void Sph<Policies...>::for_each_state(const Visit& visit) {
   constexpr std::size_t row = 8;
+  reading_.known = false;
   const auto is_lane = [](std::uint32_t label) { return label == Core::Lists::none; };
   clock.for_each_state(visit);
   Core& c = core();
@@ -45,8 +46,8 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
                                  c.made ? 1.0 : 0.0,
                                  std::isfinite(c.exchange) ? c.exchange : 0};
   auto [solid, poses] = c.solids.walls.state();
-  DynArray<double> small, shares;
-  for (const Vec3d& x : c.small_grains()) small.insert(small.end(), {x.x, x.y, x.z});
+  std::vector<double> small, shares;
+  if constexpr (Axes::Grains::averaged) small = c.grains.state();
   for (std::size_t k = 0; k < c.columns.voidage.size(); ++k)
     shares.insert(shares.end(), {c.columns.voidage[k], c.columns.share[k], c.columns.fullness[k]});
   if constexpr (Axes::Grains::averaged) visit("fluid.grains", small), visit("fluid.shares", shares);
@@ -80,7 +81,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   require(labels.size() == 2 * n && rows.size() == 2 * row * n && built.size() == 4 * n,
           "Sph: a state of ", n, " particles has ", rows.size(), " numbers of rows and ",
           built.size(), " of places");
-  require(small.size() % 3 == 0 && (shares.empty() || shares.size() == 3 * n), "Sph: a state of ",
+  require(small.size() % 7 == 0 && (shares.empty() || shares.size() == 3 * n), "Sph: a state of ",
           n, " particles has ", small.size(), " numbers of grains and ", shares.size(),
           " of shares");
   c.columns = {};
@@ -104,12 +105,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
     c.columns.voidage.push_back(shares[k]), c.columns.share.push_back(shares[k + 1]);
     c.columns.fullness.push_back(shares[k + 2]);
   }
-  if constexpr (Axes::Grains::averaged) {
-    c.grains.place.clear();
-    for (std::size_t k = 0; k < small.size(); k += 3)
-      c.grains.place.push_back({small[k], small[k + 1], small[k + 2]});
-    c.grains.number.resize(c.grains.place.size());
-  }
+  if constexpr (Axes::Grains::averaged) c.grains.restore(small);
   c.openings.restore(openings_of);
   c.next_number = static_cast<std::uint32_t>(numbers[0]);
   c.left = static_cast<std::size_t>(numbers[1]), c.displaced = static_cast<std::size_t>(numbers[2]);

@@ -130,6 +130,23 @@ class AveragedGrains {
     force.assign(number.size(), {0, 0, 0});
     return number.size() == before;
   }
+  /// For a state: seven numbers per grain, those that a reading needs; pick_small() gives the rest.
+  std::vector<double> state() const {
+    std::vector<double> all;
+    for (std::size_t p = 0; p < place.size(); ++p)
+      all.insert(all.end(), {place[p].x, place[p].y, place[p].z, velocity_[p].x, velocity_[p].y,
+                             velocity_[p].z, volume_[p]});
+    return all;
+  }
+  void restore(std::span<const double> state) {
+    place.clear(), volume_.clear(), velocity_.clear();
+    for (std::size_t k = 0; k < state.size(); k += 7) {
+      place.push_back({state[k], state[k + 1], state[k + 2]});
+      velocity_.push_back({state[k + 3], state[k + 4], state[k + 5]});
+      volume_.push_back(state[k + 6]);
+    }
+    number.resize(place.size());
+  }
   void move(double dt) {
     for (std::size_t p = 0; p < place.size(); ++p) place[p] += dt * velocity_[p];
   }

@@ -96,27 +96,32 @@ class WallParticles {
   /// Walls of the Sph itself, not of a Simulation.
   std::size_t own_walls() const { return walls_.size() - followed_; }
 
-  /// For a state: ten numbers per particle, and fourteen per wall: poses when the particles were
-  /// made and when the lists were built.
-  std::pair<DynArray<double>, DynArray<double>> state() const {
-    std::pair<DynArray<double>, DynArray<double>> of;
+  /// For a state: ten numbers per particle, and 31 per wall: poses when the particles were made and
+  /// when the lists were built, and the motion of a driven wall since the last step.
+  std::pair<std::vector<double>, std::vector<double>> state() const {
+    std::pair<std::vector<double>, std::vector<double>> of;
     for (const Particle& p : particles_) {
       for (const Vec3d& x : {p.at, p.ghost, p.normal})
         of.first.insert(of.first.end(), {x.x, x.y, x.z});
       of.first.push_back(static_cast<double>(p.wall));
     }
-    for (const Part& w : walls_)
-      for (const Pose& pose : {w.first, w.listed}) {
+    for (const Part& w : walls_) {
+      for (const Pose& pose : {w.first, w.listed, w.driven.from}) {
         const Vec3d& x = pose.translation;
         const Quaternion& q = pose.rotation;
         of.second.insert(of.second.end(), {x.x, x.y, x.z, q.w, q.x, q.y, q.z});
       }
+      for (const Vec3d& x : {w.driven.centre, w.driven.velocity, w.driven.spin})
+        of.second.insert(of.second.end(), {x.x, x.y, x.z});
+      of.second.push_back(w.driven.since);
+    }
     return of;
   }
   /// Restores a state. Walls of a Simulation are set later by follow().
   void restore(std::span<const double> particles, std::span<const double> poses) {
-    const std::size_t n = particles.size() / 10, walls = poses.size() / 14;
-    require(particles.size() == 10 * n && poses.size() == 14 * walls, "Sph: a state of walls has ",
+    constexpr std::size_t per = 31;
+    const std::size_t n = particles.size() / 10, walls = poses.size() / per;
+    require(particles.size() == 10 * n && poses.size() == per * walls, "Sph: a state of walls has ",
             particles.size(), " and ", poses.size(), " numbers");
     particles_.clear(), restored_.clear();
     for (std::size_t k = 0; k < n; ++k) {
@@ -130,10 +135,13 @@ class WallParticles {
     }
     for (std::size_t w = 0; w < walls; ++w) {
       const auto pose = [&](std::size_t k) {
-        const double* const p = poses.data() + 14 * w + 7 * k;
+        const double* const p = poses.data() + per * w + 7 * k;
         return Pose{{p[3], p[4], p[5], p[6]}, {p[0], p[1], p[2]}};
       };
-      restored_.push_back({pose(0), pose(1)});
+      const double* const p = poses.data() + per * w + 21;
+      restored_.push_back({pose(0), pose(1),
+                           DrivenMotion{pose(2), {p[0], p[1], p[2]}, {p[3], p[4], p[5]},
+                                        {p[6], p[7], p[8]}, p[9]}});
     }
     fresh_ = false;
     find_belts();
@@ -311,7 +319,8 @@ class WallParticles {
   }
   void take_restored() {
     for (std::size_t w = 0; w < walls_.size(); ++w)
-      walls_[w].first = restored_[w].first, walls_[w].listed = restored_[w].second;
+      walls_[w].first = restored_[w].first, walls_[w].listed = restored_[w].listed,
+      walls_[w].driven = restored_[w].driven;
     restored_.clear();
     find_boxes();
   }
@@ -382,8 +391,11 @@ class WallParticles {
   DynArray<Particle> particles_;
   DynArray<Box> boxes_;       // around the particles of each wall, with their images
   std::size_t followed_ = 0;  // walls of a Simulation
-  DynArray<std::pair<Pose, Pose>>
-      restored_;  // first and number, of walls of a Simulation that are not set yet
+  struct Restored {
+    Pose first, listed;
+    DrivenMotion driven;
+  };
+  std::vector<Restored> restored_;  // of walls of a Simulation that are not set yet
   bool fresh_ = true;
 };
 
