@@ -64,7 +64,8 @@ int main() {
   const bool right = std::abs(-sim.velocity(0).z / stokes - 1) < 0.01 && worst < 1e-6 &&
                      std::abs(borne - 1) < 1e-9;
   if (!right)
-    std::printf("wrong: Stokes' velocity to 1 %%, Richardson and Zaki's power to 1e-6, and all of "
-                "the bed must be borne\n");
+    std::printf(
+        "wrong: Stokes' velocity to 1 %%, Richardson and Zaki's power to 1e-6, and all of "
+        "the bed must be borne\n");
   return right ? 0 : 1;
 }

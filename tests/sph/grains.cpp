@@ -255,8 +255,7 @@ TEST_CASE("SPH with unresolved grains: readings between steps change no bit") {
   // A reading renewed the void fractions, and with them the densities at the surface, between two
   // steps: grains moved by 1e-12 to 1e-11 m otherwise, and last_exchange() was empty after it.
   auto quiet = settling(true), read = settling(true);
-  const std::string path =
-      (std::filesystem::temp_directory_path() / "silt_sph_read.silt").string();
+  const std::string path = (std::filesystem::temp_directory_path() / "silt_sph_read.silt").string();
   for (int k = 0; k < 8; ++k) {
     quiet.run(2e-3), read.run(2e-3, at(every_steps(7), [](const auto& sim) {
                                 return sim.fluid().wall_load(0).first.z;

@@ -150,8 +150,7 @@ class BodyPoints {
     std::vector<double> all;
     for (const Body& b : bodies) {
       all.insert(all.end(), {b.radius, static_cast<double>(b.form), b.reach});
-      for (const Vec3d& x : {b.centre, b.velocity, b.spin})
-        all.insert(all.end(), {x.x, x.y, x.z});
+      for (const Vec3d& x : {b.centre, b.velocity, b.spin}) all.insert(all.end(), {x.x, x.y, x.z});
       all.insert(all.end(), {b.axes.w, b.axes.x, b.axes.y, b.axes.z});
     }
     return all;

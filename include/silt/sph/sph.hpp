@@ -440,7 +440,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
                  z = random.uniform(-farthest, farthest);
     return site + Vec3d{x, setup().dimensions == 2 ? 0 : y, z};
   }
-  bool is_hosted_ = false;                   // by a Simulation
+  bool is_hosted_ = false;                    // by a Simulation
   mutable detail::SphWallReading reading_{};  // of the present state
   /// Number of the lattice cell at a point.
   std::uint64_t site_of(const Vec3d& x) const {

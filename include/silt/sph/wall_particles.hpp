@@ -139,9 +139,10 @@ class WallParticles {
         return Pose{{p[3], p[4], p[5], p[6]}, {p[0], p[1], p[2]}};
       };
       const double* const p = poses.data() + per * w + 21;
-      restored_.push_back({pose(0), pose(1),
-                           DrivenMotion{pose(2), {p[0], p[1], p[2]}, {p[3], p[4], p[5]},
-                                        {p[6], p[7], p[8]}, p[9]}});
+      restored_.push_back(
+          {pose(0), pose(1),
+           DrivenMotion{
+               pose(2), {p[0], p[1], p[2]}, {p[3], p[4], p[5]}, {p[6], p[7], p[8]}, p[9]}});
     }
     fresh_ = false;
     find_belts();
