@@ -123,6 +123,18 @@ namespace drag_of_one_double {
 namespace flow_without_mode {
 #include "refused/flow_without_mode.cpp"
 }
+namespace bare_flow {
+#include "refused/bare_flow.cpp"
+}
+namespace drag_of_wrong_arguments {
+#include "refused/drag_of_wrong_arguments.cpp"
+}
+namespace formula_of_particle_law {
+#include "refused/formula_of_particle_law.cpp"
+}
+namespace prescribed_flow_with_mode {
+#include "refused/prescribed_flow_with_mode.cpp"
+}
 namespace flow_without_drag {
 #include "refused/flow_without_drag.cpp"
 }

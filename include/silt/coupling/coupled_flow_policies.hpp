@@ -25,6 +25,20 @@ concept MeantAsDrag = NormalisesDoubles<L> || OrientedDragLaw<L>;
 template <class L>
 concept AnyDragLaw = DragLaw<L> || OrientedDragLaw<L>;
 
+/// A class with a member of that name, whatever its signature.
+struct NameOfDrag {
+  int normalised;
+};
+template <class L>
+struct BesideNameOfDrag : L, NameOfDrag {};
+template <class L>
+inline constexpr bool names_drag = [] {
+  if constexpr (std::is_class_v<L> && !std::is_final_v<L>) return !requires {
+      &BesideNameOfDrag<L>::normalised;
+    };
+  return false;
+}();
+
 struct NotGiven {};
 struct NoFlowSolver {};  // placeholder, if there is no flow
 
@@ -114,7 +128,13 @@ requires(!detail::FluidPolicies<Policies...>::fit) class CoupledFlow<Policies...
   static constexpr bool has_drag = P::drag < P::count, has_mode = P::mode < P::count;
   static constexpr bool fits_lanes = !has_drag || detail::AnyDragLaw<typename P::Drag>;
   static constexpr bool has_flow = !(std::is_same_v<Policies, detail::NoFlowSolver> || ...);
-  static_assert(has_drag,
+  static constexpr bool misnamed = !has_drag && (detail::names_drag<Policies> || ...);
+  static_assert(!misnamed,
+                "a drag law's normalised() does not fit: it must be `template <class Real> Real "
+                "normalised(const Real& eps, const Real& Re) const`, or `double normalised(const "
+                "silt::InFluid&, double Re) const`, and public: silt/coupling/drag/concept.hpp, "
+                "oriented.hpp");
+  static_assert(has_drag || misnamed,
                 "CoupledFlow needs a drag law (silt/coupling/drag/concept.hpp, oriented.hpp)");
   static_assert(
       fits_lanes,

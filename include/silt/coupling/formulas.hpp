@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <concepts>
 #include <numbers>
 #include <string_view>
 
@@ -26,6 +27,18 @@ inline void check_sphere_in_fluid(std::string_view where, double d, double rho_p
   require_positive(text(where, ": viscosity mu"), mu, "Pa s");
   require_positive(text(where, ": gravity g"), g, "m/s2");
 }
+/// A law of void fraction and Reynolds number alone.
+template <class Law>
+constexpr void need_plain_law() {
+  static_assert(
+      requires(const Law& law, double eps) {
+        { law.normalised(eps, eps) } -> std::convertible_to<double>;
+      },
+      "the formulas of coupling/formulas.hpp take a drag law of void fraction and Reynolds number, "
+      "`Real normalised(const Real& eps, const Real& Re) const`; one of silt::InFluid depends on "
+      "the "
+      "particle as well (silt/coupling/drag/concept.hpp)");
+}
 inline void check_fluid_fraction(std::string_view where, double eps) {
   require(eps > 0 && eps <= 1, where, ": fluid fraction eps = ", eps, " [-] must be in (0, 1]");
 }
@@ -43,6 +56,7 @@ inline double archimedes_number(double d, double rho_p, double rho, double mu, d
 /// the smallest Re where the force is reached, if the law jumps over it.
 template <class Law>
 double balance_reynolds(const Law& law, double eps, double Ar) {
+  detail::need_plain_law<Law>();
   detail::check_fluid_fraction("balance_reynolds", eps);
   require_not_negative("balance_reynolds: Archimedes number Ar", Ar, "-");
   const auto carried = [&](double Re) { return 18 * Re * law.normalised(eps, Re) >= eps * Ar; };
@@ -94,6 +108,7 @@ inline double ergun_fluidisation_reynolds(double eps, double Ar) {
 template <class Law>
 double bed_pressure_gradient(const Law& law, double eps, double d, double rho, double mu,
                              double U) {
+  detail::need_plain_law<Law>();
   detail::check_sphere_in_fluid("bed_pressure_gradient", d, 1, rho, mu, 1);
   detail::check_fluid_fraction("bed_pressure_gradient", eps);
   require_not_negative("bed_pressure_gradient: superficial velocity U", U, "m/s");

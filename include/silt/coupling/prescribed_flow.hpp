@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <silt/core/error.hpp>
+#include <silt/coupling/averaging/concept.hpp>
 #include <silt/coupling/concept.hpp>
 #include <silt/coupling/particle_exchange.hpp>
 
@@ -42,6 +43,9 @@ concept VelocityField = requires(const V& velocity, const Vec3d& x, double t) {
 template <VelocityField Velocity, class Drag, class... Forces>
 class PrescribedFlow {
   using Exchange = ParticleExchange<Drag, Forces...>;
+  static_assert(!(AveragingMode<Forces> || ...),
+                "PrescribedFlow has no cells and takes no averaging mode: leave it out "
+                "(silt/coupling/prescribed_flow.hpp)");
   static_assert(!Exchange::follows,
                 "PrescribedFlow computes drag in each particle step: leave out FollowedDrag");
 
@@ -139,5 +143,36 @@ class PrescribedFlow {
 template <class Drag, class Velocity, class... Forces>
 PrescribedFlow(const Drag&, const FluidProperties&, Velocity, const Forces&...)
     -> PrescribedFlow<Velocity, Drag, Forces...>;
+
+namespace detail {
+/// In place of the velocity, where arguments of a PrescribedFlow do not fit.
+struct NoVelocity {
+  Vec3d operator()(const Vec3d&, double) const { return {0, 0, 0}; }
+};
+}  // namespace detail
+
+/// Gives the message, and no further errors.
+template <class Drag>
+class PrescribedFlow<detail::NoVelocity, Drag> {
+  static_assert(std::is_void_v<Drag>,
+                "PrescribedFlow takes a drag law, FluidProperties, a velocity (x [m], t [s]) -> "
+                "silt::Vec3d, and forces, in this order; it has no cells and takes no averaging "
+                "mode (silt/coupling/prescribed_flow.hpp)");
+
+ public:
+  static constexpr bool active = false;  // avoids further errors in Simulation
+  template <class... Args>
+  PrescribedFlow(const Drag&, const FluidProperties&, const Args&...) {}
+  template <class Second, class... Args>
+  PrescribedFlow(const Drag&, const Second&, const FluidProperties&, const Args&...) {}
+};
+template <class Drag, class Third, class... More>
+requires(!VelocityField<Third>)
+    PrescribedFlow(const Drag&, const FluidProperties&, const Third&, const More&...)
+->PrescribedFlow<detail::NoVelocity, Drag>;
+template <class Drag, class Second, class... More>
+requires(!std::convertible_to<Second, FluidProperties>)
+    PrescribedFlow(const Drag&, const Second&, const FluidProperties&, const More&...)
+->PrescribedFlow<detail::NoVelocity, Drag>;
 
 }  // namespace silt

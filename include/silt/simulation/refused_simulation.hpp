@@ -24,6 +24,11 @@ struct PolicyOfAnAxis {
       "coupling/, motion/, module/ concept.hpp");
   static constexpr bool checked = true;
 };
+/// A flow that is not coupled with particles, as FlowSolver.
+template <class P>
+concept BareFlow = requires(P& flow, const Team& team) {
+  flow.grid(), flow.voidage(), flow.drag(), flow.stable_step(team);
+};
 /// Types that look like a module also get the message about its functions.
 template <class P, bool belongs>
 inline constexpr bool looks_like_module = [] {
@@ -71,7 +76,7 @@ requires(!detail::make_a_simulation<Policies...>) class Simulation<Policies...> 
   /// A law without Contacts gets the message about that, and so does a fluid without its parts.
   template <class P>
   static constexpr bool belongs = detail::belongs_to_an_axis<P> || detail::MeantAsFluid<P> ||
-                                  (ContactLaw<P> && !has_contacts);
+                                  detail::BareFlow<P> || (ContactLaw<P> && !has_contacts);
 
   static_assert(has_particles,
                 "Simulation needs the particles: give one silt::Particles<Shape> "
@@ -82,6 +87,10 @@ requires(!detail::make_a_simulation<Policies...>) class Simulation<Policies...> 
   static_assert(has_one_search, "Simulation takes one neighbour search (silt/search/concept.hpp)");
   static_assert(has_one_domain, "Simulation takes one domain (silt/boundary/domain.hpp)");
   static_assert(has_one_fluid, "Simulation takes one fluid coupling (silt/coupling/concept.hpp)");
+  static_assert(!(detail::BareFlow<Policies> || ...),
+                "a flow given to Simulation is not coupled with the particles: wrap it in "
+                "silt::CoupledFlow{drag law, averaging mode, flow} "
+                "(silt/coupling/coupled_flow.hpp)");
   static_assert(fluid_has_clock,
                 "a fluid given to Simulation (active = true) has no member `FluidClock clock` "
                 "(FluidCoupling, silt/coupling/concept.hpp)");
