@@ -252,6 +252,13 @@ TEST_CASE("a restart may have another inflow: the flow follows it") {
   silt::load_checkpoint(steady, out / "swinging.silt");
   steady.run(0.01);
   CHECK(steady.fluid().flow().velocity(2)(2, 2, 6) == near(0.1).epsilon(1e-6));
+  // It was "has no field 'fluid.eddy'".
+  Sim turbulent = swinging(false);
+  turbulent.fluid().flow().set_turbulence(silt::KEpsilon{.width = 0.01, .intensity = 0.05});
+  CHECK_THROWS_WITH_AS(
+      silt::load_checkpoint(turbulent, out / "swinging.silt"),
+      doctest::Contains("turbulence model is 'none' in the file and 'k-epsilon' in the scene"),
+      silt::InputError);
 }
 
 TEST_CASE("what cannot be measured is refused before the first step") {

@@ -170,6 +170,9 @@ TEST_CASE("inflows that cannot be are refused") {
     CHECK(said.find(words) != std::string::npos);
   };
   refuses({.rate = std::nan("")}, "Inflow.rate");
+  refuses({.velocity = {0, 0, std::nan("")}},
+          "the lower side in z is given the velocity nan m/s in z");
+  refuses({.velocity = {0.5, 0, 0}}, "lies along that side and brings no fluid");  // was accepted
   refuses({.outline = [](const Vec3d&) { return std::nan(""); }}, "Inflow.outline is not a number");
   refuses({.velocity = {0, 0, 1}, .outline = [](const Vec3d&) { return -1.0; }}, "has no face");
   refuses({.velocity = {0, 0, -1}, .rate = 1e-5}, "reverse them");

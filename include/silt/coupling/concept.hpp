@@ -133,7 +133,8 @@ concept ActiveFluid =
 ///   void check_step(span, pace)       after advance(): throws Error if the step was too long
 ///   void check_state(name, values)    throws InputError for invalid restored values
 ///   warnings()                        sentences that progress() and on_warnings() pass on after a
-///                                     run: DynArray<std::string>
+///                                     run: std::vector<std::string>
+///   static constexpr bool warns_at_start       and after the first step of a run
 ///   load_on_driven(w)                 its load on the driven wall w of the scene, and its
 ///                                     stiffness for a servo: LiquidOnWall, sph/driven_walls.hpp
 ///   void write(path), file_kind       writes the fluid for ParaView (vtk_series); its ending

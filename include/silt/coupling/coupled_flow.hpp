@@ -121,6 +121,7 @@ class BasicCoupledFlow {
       return finish(done, dt);
     }
     spread_left(particles, team);
+    if (clock.steps == 0) look_for_walls(particles);
     averaging_->place(particles.shape, team);
     done.averaging = averaging_->report();
     spread_volume(particles, done, team);
@@ -186,6 +187,11 @@ class BasicCoupledFlow {
   }
   template <class Describer>
   void describe(const Describer& is) const;
+  /// Sentences for what is probably a mistake: particles that start in walls of the flow, solid
+  /// volume that the cells cannot take, properties that no fluid has. progress() and on_warnings()
+  /// pass them on at the start and at the end of a run.
+  std::vector<std::string> warnings() const;
+  static constexpr bool warns_at_start = true;
   /// @}
 
   /// @name FollowingFluid, with FollowedDrag
@@ -230,6 +236,7 @@ class BasicCoupledFlow {
     exchange_.settings = {flow_.fluid(), flow_.options().model, gravity, least_voidage};
   }
   double longest_step(double speed, const Team& team) const;
+  void look_for_walls(const CoupledParticles& of);
   void make_averaging(const CoupledParticles& of, const Team& team);
   void spread_left(const CoupledParticles& present, const Team& team);
   void find_change(CellField& more, const Team& team) const;
@@ -274,6 +281,11 @@ class BasicCoupledFlow {
   ParticleColumn conducts_, gives_, seen_;  // [W/K] b, [W] b T, [K] of ParticleHeat
   CoupledStep last_;
   FluidClosure closure_;
+  struct {
+    std::size_t count = 0, all = 0;
+    double distance = 0;  // [m] of the deepest
+    Vec3d place{0, 0, 0};
+  } in_walls_;  // particles at the start
 };
 
 }  // namespace silt

@@ -4,6 +4,7 @@
 // Part of CoupledFlow used only by a Simulation: FluidCoupling.
 
 #include <silt/coupling/coupled_flow.hpp>
+#include <silt/coupling/odd_fluid.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -85,6 +86,46 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::for_each_state(const Visit& 
   exchange_.for_each_state(visit);
 }
 
+/// Counts particles whose centres are in walls of the flow: mostly a boundary from the wrong side.
+template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
+void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::look_for_walls(const CoupledParticles& of) {
+  if constexpr (requires { flow_.wall_distance(Vec3d{}); })
+    if (flow_.open_cells() != nullptr)
+      for (const Vec3d& x : of.shape.position)
+        if (const double d = flow_.wall_distance(x); reaches(x) && d < 0) {
+          if (in_walls_.count++ == 0) in_walls_.all = of.shape.position.size();
+          if (d < in_walls_.distance) in_walls_.distance = d, in_walls_.place = x;
+        }
+}
+
+template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
+std::vector<std::string> BasicCoupledFlow<Flow, Drag, Mode, Forces...>::warnings() const {
+  std::vector<std::string> out;
+  // With another gravity than the earth's, units may be reduced.
+  if (const double g = norm(gravity); g > 9.7 && g < 9.9) {
+    out = detail::odd_fluid(flow_.fluid());
+    if constexpr (has_heat)
+      if (flow_.has_heat()) detail::odd_heat(flow_.heat(), out);
+  }
+  if (const auto& in = in_walls_; in.count > 0)
+    out.push_back(text(in.count, " of ", in.all, " particles start with their centres in walls of ",
+                       "the flow, the deepest at ", in.place, " m, ", -in.distance,
+                       " m behind the surface, where no fluid flows; check the Side given to "
+                       "boundary_of, or move the particles"));
+  for (const int percent : {50, 25, 10, 5})
+    if (100 * closure_.clipped > percent) {
+      out.push_back(text("more than ", percent,
+                         " % of the particles' volume found no place in the "
+                         "cells of the flow in one step, as these kept ",
+                         100 * least_voidage,
+                         " % of fluid (CoupledFlow.least_voidage): the fluid "
+                         "sees less solids than there are; use wider weights or larger cells, or "
+                         "particles that the flow's grid can hold"));
+      break;
+    }
+  return out;
+}
+
 /// Checks restored values, part by part; they are known to be finite.
 template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
 void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::check_state(
@@ -142,6 +183,8 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::describe(const Describer& is
   }
   if constexpr (has_heat)
     if (flow_.has_heat()) is("heat capacity of the fluid [J/(kg K)]", flow_.heat().heat_capacity);
+  if constexpr (requires { flow_.turbulence_model(); })
+    is("turbulence model", flow_.turbulence_model());
   is("walls within the box", flow_.open_cells() != nullptr ? "yes" : "no");
   if (const auto* open = flow_.open_cells()) {
     double sum = 0;

@@ -45,6 +45,12 @@ class FlowSides {
               " is not finite");
       check_one_way(*in, name);
       const Vec3d& v = in->velocity;
+      const bool alone = !in->profile && !in->velocity_in_time && !in->rate && !in->rate_in_time;
+      if (alone && is_finite(v))
+        require(along(v, direction) != 0 || dot(v, v) == 0, "FlowSolver: Inflow.velocity = ", v,
+                " m/s at the ", end == 0 ? "lower" : "upper", " side in ", name,
+                " lies along that side and brings no fluid; give it a part along ", name,
+                ", or use NoSlip{.velocity} for a wall that moves along itself");
       if ((in->rate || in->rate_in_time) && !in->profile && v.x == 0 && v.y == 0 && v.z == 0)
         (direction == 0   ? in->velocity.x
          : direction == 1 ? in->velocity.y
@@ -335,8 +341,9 @@ class FlowSides {
                                    : in->velocity;
       }
       const double component = along(v, c);
-      require(std::isfinite(component), "FlowSolver: a side is given the velocity ", component,
-              in != nullptr && in->velocity_in_time ? text(" m/s at t = ", time_, " s") : " m/s",
+      require(std::isfinite(component), "FlowSolver: the ", end == 0 ? "lower" : "upper",
+              " side in ", "xyz"[e], " is given the velocity ", component, " m/s in ", "xyz"[c],
+              in != nullptr && in->velocity_in_time ? text(" at t = ", time_, " s") : "",
               "; give finite numbers");
       out.push_back(component);
     });

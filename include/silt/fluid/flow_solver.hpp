@@ -123,6 +123,10 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
     s_.started = false, ++boundaries_;
   }
   int boundaries() const { return boundaries_; }  // number of boundaries set so far
+  /// [m] from the walls in the box, by FlowBoundary.distance; infinite without.
+  double wall_distance(const Vec3d& place) const {
+    return s_.boundary ? s_.boundary->distance(place) : std::numeric_limits<double>::infinity();
+  }
 
   /// Time [s] for time-dependent inflows: 0 at first, then the sum of all steps. A CoupledFlow sets
   /// it to its own before each step. `last_step` [s]: the previous step, if any. Not part of
@@ -140,6 +144,9 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
   /// Turbulent flow with Reynolds-averaged velocities. No cost unless called.
   void set_turbulence(const MixingLength& model) { make_turbulent(model); }
   void set_turbulence(const KEpsilon& model) { make_turbulent(model); }
+  const char* turbulence_model() const {
+    return !s_.turbulence ? "none" : s_.turbulence->two ? "k-epsilon" : "mixing length";
+  }
   /// For KEpsilon, in cells; where 0 at the first step they get the initial values of KEpsilon.
   CellField& turbulent_energy() { return equations().k; }   // [m2/s2]
   CellField& dissipation() { return equations().epsilon; }  // [m2/s3]

@@ -21,6 +21,15 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
+/// Warnings of a fluid that has some at the start: after its first step.
+template <class Sim>
+std::vector<std::string> fluid_start_warnings(const Sim& sim) {
+  if constexpr (requires { requires Sim::Fluid::warns_at_start; })
+    return fluid_warnings(sim);
+  else
+    return {};
+}
+
 /// Passes on each warning of a simulation once, also if an observer is used in several runs.
 class ToldWarnings {
  public:
@@ -42,7 +51,8 @@ class ToldWarnings {
 /// Options of progress().
 struct ProgressOptions {
   std::FILE* out = stderr;
-  bool warnings = true;  // scene_warnings at the start; at the end of inlets, servos, liquids
+  bool warnings = true;  // of the scene at the start; of fluids there and at the end; at the end
+                         // of inlets and servos
 };
 
 /// Prints the progress of the run on stderr: on a terminal one line that is updated once a second;
@@ -67,7 +77,7 @@ class Progress {
   }
   template <class Sim>
   void started(const Sim& sim) {
-    if (options_.warnings) warn(overlap_warnings(sim));
+    if (options_.warnings) warn(overlap_warnings(sim)), warn(detail::fluid_start_warnings(sim));
   }
   /// On many ranks no observer may depend on a clock: rank 0 prints between the steps.
   template <class Sim>
@@ -169,7 +179,7 @@ class WarningsObserver {
   }
   template <class Sim>
   void started(const Sim& sim) {
-    tell(sim, overlap_warnings(sim));
+    tell(sim, overlap_warnings(sim)), tell(sim, detail::fluid_start_warnings(sim));
   }
   template <class Sim>
   bool is_due(const Sim&) const {

@@ -1,0 +1,40 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <silt/core/error.hpp>
+#include <silt/fluid/properties.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Sentences for properties that no fluid has, mostly a wrong unit. Limits: kinematic viscosities
+/// are above 2e-8 m2/s (liquid helium; water 1e-6, mercury 1e-7), gases have less than 2e-4 Pa s
+/// and liquids more than 20 kg/m3, heat capacities are above 50 J/(kg K) (mercury 140).
+[[gnu::cold]] inline std::vector<std::string> odd_fluid(const FluidProperties& of) {
+  std::vector<std::string> out;
+  if (of.viscosity > 0 && of.viscosity < 2e-8 * of.density)
+    out.push_back(text("FluidProperties.viscosity = ", of.viscosity, " Pa s with density = ",
+                       of.density, " kg/m3 is a kinematic viscosity of ", of.viscosity / of.density,
+                       " m2/s, which no fluid has; give the dynamic viscosity, that of water is "
+                       "1e-3 Pa s"));
+  if (of.density < 20 && of.viscosity > 2e-4)
+    out.push_back(text("FluidProperties.density = ", of.density,
+                       " kg/m3 with viscosity = ", of.viscosity,
+                       " Pa s is neither a gas nor a liquid; give the density in "
+                       "kg/m3 (water 998) and the viscosity in Pa s (air 1.8e-5)"));
+  return out;
+}
+template <class Heat>
+[[gnu::cold]] void odd_heat(const Heat& of, std::vector<std::string>& out) {
+  if (of.heat_capacity < 50)
+    out.push_back(text("FluidHeat.heat_capacity = ", of.heat_capacity,
+                       " J/(kg K) is less than any fluid has; air has 1005"));
+  if (of.start_temperature < 100)
+    out.push_back(text("FluidHeat.start_temperature = ", of.start_temperature,
+                       " K may be degrees Celsius; give temperatures in K: ", of.start_temperature,
+                       " C is ", of.start_temperature + 273.15, " K"));
+}
+
+}  // namespace silt::detail
