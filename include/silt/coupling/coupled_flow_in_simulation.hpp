@@ -114,13 +114,14 @@ std::vector<std::string> BasicCoupledFlow<Flow, Drag, Mode, Forces...>::warnings
                        "boundary_of, or move the particles"));
   for (const int percent : {50, 25, 10, 5})
     if (100 * closure_.clipped > percent) {
-      out.push_back(text("more than ", percent,
-                         " % of the particles' volume found no place in the "
-                         "cells of the flow in one step, as these kept ",
-                         100 * least_voidage,
-                         " % of fluid (CoupledFlow.least_voidage): the fluid "
-                         "sees less solids than there are; use wider weights or larger cells, or "
-                         "particles that the flow's grid can hold"));
+      out.push_back(
+          text("more than ", percent,
+               " % of the particles' volume found no place in the "
+               "cells of the flow in one step, as these kept ",
+               100 * least_voidage,
+               " % of fluid (CoupledFlow.least_voidage): the fluid "
+               "sees less solid volume than there is; use wider weights or larger cells, or "
+               "particles that the flow's grid can hold"));
       break;
     }
   return out;
