@@ -190,7 +190,7 @@ class BasicCoupledFlow {
   /// Sentences for what is probably a mistake: particles that start in walls of the flow, solid
   /// volume that the cells cannot take, properties that no fluid has. progress() and on_warnings()
   /// pass them on at the start and at the end of a run.
-  std::vector<std::string> warnings() const;
+  DynArray<std::string> warnings() const;
   static constexpr bool warns_at_start = true;
   /// @}
 

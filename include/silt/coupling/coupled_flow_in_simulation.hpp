@@ -3,6 +3,7 @@
 
 // Part of CoupledFlow used only by a Simulation: FluidCoupling.
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/coupling/coupled_flow.hpp>
 #include <silt/coupling/odd_fluid.hpp>
 
@@ -99,8 +100,8 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::look_for_walls(const Coupled
 }
 
 template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
-std::vector<std::string> BasicCoupledFlow<Flow, Drag, Mode, Forces...>::warnings() const {
-  std::vector<std::string> out;
+DynArray<std::string> BasicCoupledFlow<Flow, Drag, Mode, Forces...>::warnings() const {
+  DynArray<std::string> out;
   // With another gravity than the earth's, units may be reduced.
   if (const double g = norm(gravity); g > 9.7 && g < 9.9) {
     out = detail::odd_fluid(flow_.fluid());

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/fluid/properties.hpp>
 
@@ -12,8 +12,8 @@ namespace silt::inline SILT_TARGET::detail {
 /// Sentences for properties that no fluid has, mostly a wrong unit. Limits: kinematic viscosities
 /// are above 2e-8 m2/s (liquid helium; water 1e-6, mercury 1e-7), gases have less than 2e-4 Pa s
 /// and liquids more than 20 kg/m3, heat capacities are above 50 J/(kg K) (mercury 140).
-[[gnu::cold]] inline std::vector<std::string> odd_fluid(const FluidProperties& of) {
-  std::vector<std::string> out;
+[[gnu::cold]] inline DynArray<std::string> odd_fluid(const FluidProperties& of) {
+  DynArray<std::string> out;
   if (of.viscosity > 0 && of.viscosity < 2e-8 * of.density)
     out.push_back(text("FluidProperties.viscosity = ", of.viscosity, " Pa s with density = ",
                        of.density, " kg/m3 is a kinematic viscosity of ", of.viscosity / of.density,
@@ -27,7 +27,7 @@ namespace silt::inline SILT_TARGET::detail {
   return out;
 }
 template <class Heat>
-[[gnu::cold]] void odd_heat(const Heat& of, std::vector<std::string>& out) {
+[[gnu::cold]] void odd_heat(const Heat& of, DynArray<std::string>& out) {
   if (of.heat_capacity < 50)
     out.push_back(text("FluidHeat.heat_capacity = ", of.heat_capacity,
                        " J/(kg K) is less than any fluid has; air has 1005"));

@@ -23,7 +23,7 @@ namespace detail {
 
 /// Warnings of a fluid that has some at the start: after its first step.
 template <class Sim>
-std::vector<std::string> fluid_start_warnings(const Sim& sim) {
+DynArray<std::string> fluid_start_warnings(const Sim& sim) {
   if constexpr (requires { requires Sim::Fluid::warns_at_start; })
     return fluid_warnings(sim);
   else

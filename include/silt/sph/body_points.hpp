@@ -139,15 +139,15 @@ class BodyPoints {
   }
 
   /// For a state: eight numbers per point, sixteen per body.
-  std::vector<double> points() const {
-    std::vector<double> all;
+  DynArray<double> points() const {
+    DynArray<double> all;
     for (const Point& p : points_)
       all.insert(all.end(), {p.at.x, p.at.y, p.at.z, p.ghost.x, p.ghost.y, p.ghost.z, p.share,
                              static_cast<double>(p.body)});
     return all;
   }
-  std::vector<double> kinds() const {
-    std::vector<double> all;
+  DynArray<double> kinds() const {
+    DynArray<double> all;
     for (const Body& b : bodies) {
       all.insert(all.end(), {b.radius, static_cast<double>(b.form), b.reach});
       for (const Vec3d& x : {b.centre, b.velocity, b.spin}) all.insert(all.end(), {x.x, x.y, x.z});

@@ -46,7 +46,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
                                  c.made ? 1.0 : 0.0,
                                  std::isfinite(c.exchange) ? c.exchange : 0};
   auto [solid, poses] = c.solids.walls.state();
-  std::vector<double> small, shares;
+  DynArray<double> small, shares;
   if constexpr (Axes::Grains::averaged) small = c.grains.state();
   for (std::size_t k = 0; k < c.columns.voidage.size(); ++k)
     shares.insert(shares.end(), {c.columns.voidage[k], c.columns.share[k], c.columns.fullness[k]});

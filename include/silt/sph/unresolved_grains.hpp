@@ -131,8 +131,8 @@ class AveragedGrains {
     return number.size() == before;
   }
   /// For a state: seven numbers per grain, those that a reading needs; pick_small() gives the rest.
-  std::vector<double> state() const {
-    std::vector<double> all;
+  DynArray<double> state() const {
+    DynArray<double> all;
     for (std::size_t p = 0; p < place.size(); ++p)
       all.insert(all.end(), {place[p].x, place[p].y, place[p].z, velocity_[p].x, velocity_[p].y,
                              velocity_[p].z, volume_[p]});

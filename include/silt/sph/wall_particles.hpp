@@ -98,8 +98,8 @@ class WallParticles {
 
   /// For a state: ten numbers per particle, and 31 per wall: poses when the particles were made and
   /// when the lists were built, and the motion of a driven wall since the last step.
-  std::pair<std::vector<double>, std::vector<double>> state() const {
-    std::pair<std::vector<double>, std::vector<double>> of;
+  std::pair<DynArray<double>, DynArray<double>> state() const {
+    std::pair<DynArray<double>, DynArray<double>> of;
     for (const Particle& p : particles_) {
       for (const Vec3d& x : {p.at, p.ghost, p.normal})
         of.first.insert(of.first.end(), {x.x, x.y, x.z});
@@ -396,7 +396,7 @@ class WallParticles {
     Pose first, listed;
     DrivenMotion driven;
   };
-  std::vector<Restored> restored_;  // of walls of a Simulation that are not set yet
+  DynArray<Restored> restored_;  // of walls of a Simulation that are not set yet
   bool fresh_ = true;
 };
 

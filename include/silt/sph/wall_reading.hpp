@@ -3,8 +3,8 @@
 
 #include <cstddef>
 #include <utility>
-#include <vector>
 
+#include <silt/core/dyn_array.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/core/vec3.hpp>
 #include <silt/sph/opening_sums.hpp>
@@ -21,7 +21,7 @@ struct SphWallReading {
     std::size_t wall;
     Vec3d place, force;  // [m], [N]
   };
-  std::vector<Part> parts{};
+  DynArray<Part> parts{};
   Vec3d gravity{0, 0, 0};  // [m/s2] of the reading
   bool known = false;
 
