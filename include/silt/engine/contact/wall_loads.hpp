@@ -7,6 +7,7 @@
 #include <span>
 
 #include <silt/boundary/wall.hpp>
+#include <silt/core/lanes.hpp>
 #include <silt/engine/contact/step_times.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -44,6 +45,27 @@ inline Vec3d velocity_at_contact(const Wall& wall, const Vec3d& place, const Vec
                                  double step) {
   const Vec3d v = mean_velocity(wall, place, step);
   return wall.has_belt() ? v + wall.belt.at(place, normal) : v;
+}
+
+/// Motion of a wall at a contact.
+struct WallVelocity {
+  Vec3d velocity{0, 0, 0}, spin{0, 0, 0};  // [m/s], [rad/s]
+};
+
+/// The mean velocity over the last step, consistent with the particles' half-step velocities, of
+/// the wall point that was under the contact half a step ago; if the particle slides, this is not
+/// the present point. `change` of the normal over the step; `velocity` [m/s] of the particle's
+/// centre, at a `distance` [m] that follows the normal.
+SILT_INLINE WallVelocity velocity_of_wall(const Wall& wall, const Vec3d& on_wall,
+                                          const Vec3d& change, const Vec3d& velocity,
+                                          double distance, const StepTimes& times) {
+  WallVelocity w;
+  if (!wall.moves()) return w;
+  w.velocity = mean_velocity(wall, on_wall, times.step);
+  w.spin = mean_angular_velocity(wall.last_pose, wall.pose, times.step);
+  w.velocity += cross(
+      w.spin, times.lag * times.step * (w.velocity - velocity) + times.lag * distance * change);
+  return w;
 }
 
 /// Velocity [m/s] of a belt at a contact at the time of the particles' velocities, half a step ago

@@ -312,20 +312,14 @@ class ConvexWalls {
     const auto body = body_at_contact(in.motions[c.particle], *in.rows, c.particle);
     const Vec3d arm = contact.point - centre, n = contact.normal;
     const Vec3d on_wall = contacts.seen(c, contact.point);
-    Vec3d wall_velocity{0, 0, 0}, wall_spin{0, 0, 0};
-    if (wall.moves()) {
-      wall_velocity = mean_velocity(wall, on_wall, in.times.step);
-      wall_spin = mean_angular_velocity(wall.last_pose, wall.pose, in.times.step);
-      // Of the point that was under the contact half a step ago, as velocity_of_wall(); `arm` is
-      // that of now, as in velocity_at().
-      wall_velocity +=
-          cross(wall_spin, in.times.lag * in.times.step * (wall_velocity - body.velocity));
-    }
+    // With a `distance` of 0: velocity_at() takes `arm` as that of now.
+    auto [wall_velocity, wall_spin] =
+        velocity_of_wall(wall, on_wall, change, body.velocity, 0, in.times);
     Vec3d surface_spin = wall_spin;  // which does not turn the normal
     if (wall.is_in_itself_moving()) {
       wall_velocity +=
           velocity_in_itself(wall, c.surface, contacts.facets(c), on_wall, n, in.times.step);
-      if (wall.has_belt())  // velocity_at() takes `arm` as that of now
+      if (wall.has_belt())
         surface_spin += wall.belt.rate,
             wall_velocity += belt_before(wall.belt, on_wall, n, change, body.velocity, 0, in.times);
     }

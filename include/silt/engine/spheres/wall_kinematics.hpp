@@ -13,26 +13,6 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Motion of a wall at the contact point of a sphere.
-struct WallVelocity {
-  Vec3d velocity{0, 0, 0}, spin{0, 0, 0};  // [m/s], [rad/s]
-};
-
-/// The mean velocity over the last step, consistent with the spheres' half-step velocities, of the
-/// wall point that was under the contact half a step ago; if the sphere slides, this is not the
-/// present point. `change` of the normal over the step; `of_sphere` [m/s].
-SILT_INLINE WallVelocity velocity_of_wall(const Wall& wall, const Vec3d& on_wall,
-                                          const SurfacePoint& point, const Vec3d& change,
-                                          const Vec3d& of_sphere, const StepTimes& times) {
-  WallVelocity w;
-  if (!wall.moves()) return w;
-  w.velocity = mean_velocity(wall, on_wall, times.step);
-  w.spin = mean_angular_velocity(wall.last_pose, wall.pose, times.step);
-  w.velocity += cross(w.spin, times.lag * times.step * (w.velocity - of_sphere) +
-                                  times.lag * point.distance * change);
-  return w;
-}
-
 /// Adds the spin of a belt, and what its velocity at the contact was less than now half a step ago.
 inline void add_belt(WallVelocity& of_wall, const SurfaceVelocity& belt, const Vec3d& on_wall,
                      const SurfacePoint& point, const Vec3d& change, const Vec3d& of_sphere,

@@ -334,7 +334,7 @@ class WallPipeline {
     const Vec3d change = point.normal - last_normal;
     const Vec3d on_wall = contacts.seen(c, contact);
     WallVelocity of_wall =
-        velocity_of_wall(wall, on_wall, point, change, motion.velocity(), in.times);
+        velocity_of_wall(wall, on_wall, change, motion.velocity(), point.distance, in.times);
     if (wall.is_in_itself_moving()) {
       s.in_itself[k] = velocity_in_itself(wall, c.surface, contacts.facets(c), on_wall,
                                           point.normal, in.times.step);
