@@ -15,6 +15,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/quaternion.hpp>
 #include <silt/shape/surface_mesh.hpp>
+#include <silt/sph/face_exit.hpp>
 #include <silt/sph/setup.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -151,45 +152,13 @@ class LiquidForm {
     }
     return way;
   }
-  /// Nearest point on the surface of one part from x inside. Where several faces are equally near,
-  /// rounding must not choose one of them: the particles of a symmetric body would turn it. It is
-  /// the face whose normal is nearest to the x axis, then y, which keeps symmetry to both; of two
-  /// that are mirror images of each other the point on their common edge; of opposite ones the
-  /// first.
+  /// Nearest point on the surface of one part from x inside.
   static Vec3d exit(const Vec3d& x, const Nearest& p) {
-    const TriangleMesh& surface = p.part->surface;
     const Vec3d own = rotate(conjugate(p.part->axes), x - p.part->centre);
-    const double depth = -p.distance, slack = 1e-6 * depth;
-    DynArray<std::uint32_t> near;
-    surface.triangles_near(own, depth + slack, near);
-    DynArray<Vec3d> normals;  // of the faces, each once
-    const double sign = surface.volume() > 0 ? 1 : -1;
-    for (const std::uint32_t t : near) {
-      const Vec3d n = sign * surface.normals()[t];
-      const Vec3d to = surface.vertices()[surface.triangles()[t][0]] - own;
-      const auto is_same = [&](const Vec3d& other) { return dot(n, other) > 1 - 1e-6; };
-      if (std::abs(dot(n, to) - depth) < slack && surface.distance_to(t, own) < depth + slack &&
-          std::none_of(normals.begin(), normals.end(), is_same))
-        normals.push_back(n);
-    }
-    if (normals.size() < 2) return p.point;
-    std::sort(normals.begin(), normals.end(), comes_first);
-    Vec3d along = normals[0];
-    if (const Vec3d sum = along + normals[1];
-        norm(sum) > 0.1 && !comes_first(absolute(normals[0]), absolute(normals[1])))
-      along = 2 / dot(sum, sum) * sum;  // n + m over 1 + n.m
-    return x + rotate(p.part->axes, depth * along);
+    const TriangleMesh& surface = p.part->surface;
+    const auto way = way_out(surface, own, -p.distance, surface.volume() > 0 ? 1 : -1);
+    return way ? x + rotate(p.part->axes, *way) : p.point;
   }
-  /// By nearness to the x axis, then y; then by side.
-  static bool comes_first(const Vec3d& a, const Vec3d& b) {
-    const Vec3d p = absolute(a), q = absolute(b);
-    for (const auto d : {&Vec3d::x, &Vec3d::y, &Vec3d::z})
-      if (std::abs(p.*d - q.*d) > 1e-6) return p.*d > q.*d;
-    for (const auto d : {&Vec3d::x, &Vec3d::y, &Vec3d::z})
-      if (std::abs(a.*d - b.*d) > 1e-6) return a.*d > b.*d;
-    return false;
-  }
-  static Vec3d absolute(const Vec3d& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
 
   DynArray<Part> parts_;
   Box box_;

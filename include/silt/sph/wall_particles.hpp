@@ -16,6 +16,7 @@
 #include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/sph/driven_walls.hpp>
+#include <silt/sph/face_exit.hpp>
 #include <silt/sph/lattice_sites.hpp>
 #include <silt/sph/setup.hpp>
 #include <silt/sph/wall_part.hpp>
@@ -383,9 +384,18 @@ class WallParticles {
     for (int n = 0; n < 50; ++n) {
       const Nearest deepest = nearest(x, which);
       if (deepest.distance > -enough) break;
-      x -= deepest.distance * deepest.normal;
+      x += way_out_of(deepest, x);
     }
     return x;
+  }
+  Vec3d way_out_of(const Nearest& deepest, const Vec3d& x) const {
+    const Part& wall = walls_[deepest.wall];
+    const auto* const mesh =
+        std::get_if<std::shared_ptr<const TriangleMesh>>(&wall.surfaces[wall.nearest_surface(x)]);
+    if (mesh != nullptr)
+      if (const auto way = way_out(**mesh, wall.pose.to_body(x), -deepest.distance, 1))
+        return wall.pose.rotate(*way);
+    return -deepest.distance * deepest.normal;
   }
 
   DynArray<Part> walls_;
