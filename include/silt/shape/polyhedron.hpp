@@ -353,3 +353,5 @@ inline Polyhedron::Facing Polyhedron::face_towards(const Vec3d& n) const {
 }
 
 }  // namespace silt
+
+#include <silt/shape/dilated_moments.hpp>
