@@ -9,9 +9,9 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Sentences for properties that no fluid has, mostly a wrong unit. Limits: kinematic viscosities
-/// are above 2e-8 m2/s (liquid helium; water 1e-6, mercury 1e-7), gases have less than 2e-4 Pa s
-/// and liquids more than 20 kg/m3, heat capacities are above 50 J/(kg K) (mercury 140).
+/// Sentences for properties that no fluid has, mostly a wrong unit. Limits (recalled): kinematic
+/// viscosities are above 2e-8 m2/s (liquid helium; water 1e-6, mercury 1e-7), gases have less than
+/// 2e-4 Pa s and liquids more than 20 kg/m3, heat capacities are above 50 J/(kg K) (mercury 140).
 [[gnu::cold]] inline DynArray<std::string> odd_fluid(const FluidProperties& of) {
   DynArray<std::string> out;
   if (of.viscosity > 0 && of.viscosity < 2e-8 * of.density)
