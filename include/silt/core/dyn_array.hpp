@@ -248,7 +248,7 @@ class DynArray {
     data_ = place;
     capacity_ = capacity;
   }
-  void push_grown(T value) {
+  void push_grown(T&& value) {  // not an element of this array
     move_to(size_ == 0 ? 1 : 2 * size_);
     ::new (static_cast<void*>(data_ + size_)) T(std::move(value));
     ++size_;
