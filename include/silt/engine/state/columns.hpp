@@ -47,7 +47,7 @@ struct Column {
 };
 /// A column of a table with values of type T.
 template <class T, class At>
-constexpr Column<At, T> column(ColumnName name, At at, T start = {}, T parked = {}) {
+constexpr Column<At, T> column(ColumnName name, At at, const T& start = {}, const T& parked = {}) {
   return {name, at, start, parked};
 }
 /// The tuple of columns that make() returns if a table has them; else an empty one.
