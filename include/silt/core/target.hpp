@@ -13,6 +13,15 @@
 #error "silt: None is a macro here, as of X11; include silt first, or #undef None before it"
 #endif
 
+/// Whether AVX-512 instructions are executed at their full width. Zen 4 executes each in two halves:
+/// 16 floats take as long there as two times 8. It has CLZERO, as all processors of AMD, and lacks
+/// AVX-VNNI, unlike Zen 5.
+#if defined(__AVX512F__) && !(defined(__CLZERO__) && !defined(__AVXVNNI__))
+#define SILT_FULL_AVX512 1
+#else
+#define SILT_FULL_AVX512 0
+#endif
+
 /// SILT_TARGET names the instruction set of the compile flags. All of silt is in an inline
 /// namespace of this name, hence units with different flags in one program share no functions.
 /// Otherwise the linker would keep one of several functions with the same name, possibly one that
@@ -24,8 +33,10 @@
 /// (core/error_types.hpp). Functions of the standard library are shared: link the units with the
 /// fewest instructions first. Test: tests/compile/units_apart.py.
 #if !defined(SILT_TARGET)
-#if defined(__AVX512F__)
+#if SILT_FULL_AVX512
 #define SILT_TARGET for_avx512
+#elif defined(__AVX512F__)
+#define SILT_TARGET for_avx512_halves
 #elif defined(__AVX2__) && defined(__FMA__)
 #define SILT_TARGET for_avx2_fma
 #elif defined(__AVX2__)

@@ -42,11 +42,11 @@ constexpr double sph_softening() {
     return 0.01;
 }
 
-/// Particles per pack, one per lane. At most 8 for float: lists of larger packs contain too many
-/// particles beyond the support.
+/// Particles per pack, one per lane. Lists of larger packs contain more particles beyond the
+/// support: 16 floats pay only where AVX-512 is executed at its full width.
 template <class Scalar, class Arch>
 constexpr std::size_t sph_width() {
-  return std::min(Lanes<Arch, Scalar>::width, std::size_t{8});
+  return std::min(Lanes<Arch, Scalar>::width, std::size_t{SILT_FULL_AVX512 ? 16 : 8});
 }
 
 /// Sums over pairs of an SPH liquid (see Sph), for a pack of particles at a time:

@@ -160,8 +160,9 @@ void sph_renew(Core& core, const Team& team) {
         [&](std::size_t k) { most = std::max(most, solids.bodies.fastest(k)); });
     const double reach =
         2 * core.setup.h() + sph_slack(core, fastest, mean) + sph_slack(core, most, mean);
-    core.near.find(of, core.lists.repeats, reach, core.setup.spacing, core.setup.dimensions == 2,
-                   team);
+    if (solids.size() > 0)
+      core.near.find(of, core.lists.repeats, reach, core.setup.spacing,
+                     core.setup.dimensions == 2, team);
     put(core.near);
   } else if (first) {
     put([](const Vec3d&) { return true; });
