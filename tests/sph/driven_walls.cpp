@@ -42,7 +42,8 @@ auto cell(const WallDrive& drive, double step, const std::string& checkpoint = {
             {.spacing = 0.01,
              .region = {{0, 0, 0}, {width, 0, height}},
              .smoothing = 1.0,
-             .dimensions = 2},
+             .dimensions = 2,
+             .courant = 0.2},  // on which the errors of exchange and ledger depend
             ArtificialViscosity{.alpha = 0.1},
             EnergyLedger{}};
   water.fill([](const Vec3d&) { return true; },

@@ -108,6 +108,7 @@ struct SphCore {
         scheme.check(), keeper.check();
     require(Walls::mirrored || !setup.slip,
             "SphSetup.slip has no effect with DynamicWalls; leave it out, or use MirroredWalls");
+    choose_courant();
     full = sph_divergence_of_lattice<Kernel>(setup);
     if constexpr (Shift::shifts) surface_slope = SphSurfaceSlope<Kernel>(setup.dimensions);
     if constexpr (!Time::two_stages) check_verlet();
@@ -119,6 +120,15 @@ struct SphCore {
     lists.repeats = {
         setup.region.min,
         {setup.periodic[0] ? e.x : 0, setup.periodic[1] ? e.y : 0, setup.periodic[2] ? e.z : 0}};
+  }
+  /// Without diffusion of density nothing damps the noise that long steps make.
+  void choose_courant() {
+    constexpr bool long_steps = Time::two_stages && Diffusion::diffuses;
+    if (setup.courant == 0) setup.courant = long_steps ? SphSetup::usual_courant : 0.2;
+    if constexpr (Time::two_stages && !Diffusion::diffuses)
+      require(setup.courant <= 0.2, "SphSetup.courant = ", setup.courant,
+              " is too long for NoDiffusion, without which noise grows; use at most 0.2, or "
+              "Fourtakas");
   }
   void check_verlet() const requires(!Time::two_stages) {
     require(setup.courant <= 0.2, "SphSetup.courant = ", setup.courant,

@@ -154,6 +154,14 @@ void sph_goes(Core& core, std::size_t k, bool displaced) {
     (displaced ? core.book.now.displaced : core.book.now.openings) += displaced ? energy : -energy;
   }
 }
+/// The liquid particle of row k, which has gone as displaced, is back at another place.
+template <class Core>
+void sph_returns(Core& core, std::size_t k) {
+  if constexpr (Core::Book::kept)
+    if (core.book.started())
+      core.book.now.displaced -=
+          sph_energy(core, k, core.now > core.time ? core.columns.start[k] : core.columns.rows[k]);
+}
 /// The liquid particle of row k moves by `way` to another periodic image.
 template <class Core>
 void sph_goes_round(Core& core, std::size_t k, const Vec3d& way) {

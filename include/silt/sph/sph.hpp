@@ -248,7 +248,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     core().find_rates(team);
     return core().stable_step();
   }
-  /// One step of dt [s]. InputError for a dt beyond that of SphSetup.courant = 0.5, the largest for
+  /// One step of dt [s]. InputError for a dt beyond that of SphSetup.courant = 0.6, the largest for
   /// which the schemes were tested: the state would be destroyed.
   void step(double dt, const Team& team = {}) {
     require(std::isfinite(dt) && dt > 0, "Sph::step: dt = ", dt, " s must be greater than 0");

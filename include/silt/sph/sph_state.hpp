@@ -35,7 +35,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
     const Vec3d at = c.stale ? c.columns.rows[k].position() : c.lists.built(k);
     built.insert(built.end(), {at.x, at.y, at.z, c.stale ? 0 : c.lists.slack(k)});
   }
-  std::array<double, 10> numbers{static_cast<double>(c.next_number),
+  std::array<double, 11> numbers{static_cast<double>(c.next_number),
                                  static_cast<double>(c.left),
                                  static_cast<double>(c.displaced),
                                  static_cast<double>(c.steps),
@@ -44,7 +44,8 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
                                  c.most.pair,
                                  c.stale ? 1.0 : 0.0,
                                  c.made ? 1.0 : 0.0,
-                                 std::isfinite(c.exchange) ? c.exchange : 0};
+                                 std::isfinite(c.exchange) ? c.exchange : 0,
+                                 static_cast<double>(c.lists.width)};
   auto [solid, poses] = c.solids.walls.state();
   DynArray<double> small, shares;
   if constexpr (Axes::Grains::averaged) small = c.grains.state();
@@ -115,6 +116,8 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   c.exchange = numbers[9] > 0 ? numbers[9] : INFINITY;  // 0: no free body
   bodies.restore(kinds, points);
   if (c.made) c.solids.walls.restore(solid, poses);
+  // Packs of another processor are sorted anew.
+  if (numbers[10] != static_cast<double>(c.lists.width)) c.stale = true;
   if (!c.stale) sph_restore_lists(c, then, slacks);
 }
 

@@ -18,6 +18,7 @@
 #include <silt/sph/liquid_check.hpp>
 #include <silt/sph/near_liquid.hpp>
 #include <silt/sph/row.hpp>
+#include <silt/sph/trapped.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -148,6 +149,7 @@ void sph_renew(Core& core, const Team& team) {
     core.openings.put_into(of, core.gravity, core.liquid.density,
                            [&](const Vec3d& x) { return solids.walls.distance(x); });
   sph_wrap_liquid(core);
+  SphTrapped(core).bring_out(team);
   const auto [of_liquid, fastest] = sph_speeds(core, team);
   const double of_walls = solids.walls.fastest(), mean = std::max(of_liquid, 0.5 * of_walls);
   const auto put = [&](const auto& is_near) {
@@ -161,8 +163,8 @@ void sph_renew(Core& core, const Team& team) {
     const double reach =
         2 * core.setup.h() + sph_slack(core, fastest, mean) + sph_slack(core, most, mean);
     if (solids.size() > 0)
-      core.near.find(of, core.lists.repeats, reach, core.setup.spacing,
-                     core.setup.dimensions == 2, team);
+      core.near.find(of, core.lists.repeats, reach, core.setup.spacing, core.setup.dimensions == 2,
+                     team);
     put(core.near);
   } else if (first) {
     put([](const Vec3d&) { return true; });
