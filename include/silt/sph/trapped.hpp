@@ -108,7 +108,6 @@ class SphTrapped {
       if (far < least && is_free(x + far * way)) least = far, best = far * way;
     }
     sph_goes(core_, k, true);
-
     if (!(least < INFINITY)) {
       of.take_out(k), ++core_.displaced;
       return;
