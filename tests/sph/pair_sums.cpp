@@ -161,6 +161,23 @@ TEST_CASE("SPH sums in mixed precision: as the formulas stand, to 5e-6 of the la
 
 namespace {
 
+template <class Real>
+double lane_of(const Real& pack, std::size_t lane) {
+  alignas(64) double values[Lanes<DefaultArch>::width];
+  store(values, pack);
+  return values[lane];
+}
+template <class Real>
+Vec3d lane_of(const Vec3<Real>& of, std::size_t l) {
+  return {lane_of(of.x, l), lane_of(of.y, l), lane_of(of.z, l)};
+}
+template <class Seen>
+detail::SphSeen seen_by_lane(const Seen& s, std::size_t l) {
+  const auto of = [l](const auto& sum) { return lane_of(sum, l); };
+  return {of(s.weight), of(s.density), of(s.way), of(s.density_way), of(s.velocity), of(s.xx),
+          of(s.xy),     of(s.xz),      of(s.yy),  of(s.yz),          of(s.zz)};
+}
+
 /// What a pack's probes see of the liquid, against all particles one by one; `close`: of what each
 /// sum would be were all its parts of one sign.
 template <class Scalar>
@@ -177,7 +194,8 @@ void compare_probes(int dimensions, double close) {
   // Packs of walls look at the liquid as probes do.
   const std::size_t first = box.packed.lists.first_pack(ClusterLists::Wall);
   for (std::size_t p = first; p < std::min(first + 20, box.packed.lists.packs()); ++p) {
-    std::array<detail::SphSeen, Pairs::W> seen{};
+    constexpr std::size_t lanes = Pairs::seen_width;
+    std::array<typename Pairs::Seen, Pairs::W / lanes> seen{};
     pairs.look(p, c.rows, c.volume, box.packed.lists, seen, c.brief);
     for (std::size_t l = 0; l < Pairs::W; ++l) {
       const std::size_t a = p * Pairs::W + l;
@@ -193,7 +211,7 @@ void compare_probes(int dimensions, double close) {
         want.xx += w * r.x * r.x, want.xy += w * r.x * r.y, want.xz += w * r.x * r.z;
         want.yy += w * r.y * r.y, want.yz += w * r.y * r.z, want.zz += w * r.z * r.z;
       });
-      const detail::SphSeen& s = seen[l];
+      const detail::SphSeen s = seen_by_lane(seen[l / lanes], l % lanes);
       for (const double off :
            {s.weight - want.weight, (s.density - want.density) / density,
             norm(s.way - want.way) / h, norm(s.density_way - want.density_way) / (density * h),

@@ -79,6 +79,9 @@ class SphPairs {
   static constexpr bool mixed = std::is_same_v<Scalar, float>;
   static constexpr std::size_t W = sph_width<Scalar, Arch>();
   using Real = typename PackOf<W, Scalar>::type;
+  /// Lanes of a pack of probes' sums, which are doubles.
+  static constexpr std::size_t seen_width = std::min(W, Lanes<Arch>::width);
+  using Seen = SphSeenBy<typename PackOf<seen_width>::type>;
 
   /// `extent` contains all particles.
   SphPairs(const SphConstants& c, const Viscosity& viscosity, const Diffusion& diffusion,
@@ -148,26 +151,24 @@ class SphPairs {
 
   /// Sums of the particles of a pack over the liquid around them (probe_sums.hpp).
   void look(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
-            const ClusterLists& lists, std::span<SphSeen> out,
+            const ClusterLists& lists, std::span<Seen> out,
             std::span<const SphBrief> brief = {}) const {
-    use_probes(pack, rows, volume, brief,
-               [&]<class Probes>(Probes, std::size_t lane, auto... with) {
-                 Probes::look(with..., lists, lists.liquid(pack), units(), out.data() + lane);
-               });
+    use_probes(pack, rows, volume, brief, [&]<class Look>(Look, std::size_t lane, auto... with) {
+      Look::look(with..., lists, lists.liquid(pack), units(), out.data() + lane / seen_width);
+    });
   }
   void look_at_level(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
                      const ClusterLists& lists, std::span<SphLevel> out,
                      std::span<const SphBrief> brief = {}) const {
-    use_probes(
-        pack, rows, volume, brief, [&]<class Probes>(Probes, std::size_t lane, auto... with) {
-          Probes::look_at_level(with..., lists, lists.liquid(pack), units(), out.data() + lane);
-        });
+    use_probes(pack, rows, volume, brief, [&]<class Look>(Look, std::size_t lane, auto... with) {
+      Look::look_at_level(with..., lists, lists.liquid(pack), units(), out.data() + lane);
+    });
   }
 
  private:
   static constexpr std::size_t chunk = 128, sums = 9;
-  static constexpr std::size_t probes = std::min(W, Lanes<Arch>::width);
-  using ProbeUnits = typename SphProbes<Kernel, Scalar, mixed ? W : probes>::Units;
+  using Probes = SphProbes<Kernel, Scalar, mixed ? W : seen_width, seen_width>;
+  using ProbeUnits = typename Probes::Units;
   ProbeUnits units() const {
     if constexpr (mixed)
       return {length_, speed_, rest_, density_, volume_ * weight_, h_};
@@ -181,11 +182,11 @@ class SphPairs {
     if constexpr (mixed) {
       SphBrief own[W];
       shorten(rows.subspan(pack * W, W), volume.subspan(pack * W, W), own);
-      use(SphProbes<Kernel, float, W>{}, 0, static_cast<const SphBrief*>(own), brief,
+      use(Probes{}, 0, static_cast<const SphBrief*>(own), brief,
           [brief](std::size_t row) { return brief[row].volume; });
     } else {
-      for (std::size_t l = 0; l < W; l += probes)
-        use(SphProbes<Kernel, double, probes>{}, l, rows.data() + pack * W + l, rows,
+      for (std::size_t l = 0; l < W; l += seen_width)
+        use(Probes{}, l, rows.data() + pack * W + l, rows,
             [volume](std::size_t row) { return volume[row]; });
     }
   }

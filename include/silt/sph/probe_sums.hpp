@@ -18,9 +18,10 @@ namespace silt::inline SILT_TARGET::detail {
 /// Sums of probes over the liquid, `width` probes at a time, one per lane: those of SphSeen, or of
 /// SphLevel.
 /// `Scalar` = float: with rows prepared by SphPairs::shorten(); sums of `chunk` are floats, all
-/// others doubles.
-template <class Kernel, class Scalar, std::size_t width>
+/// others doubles, `doubles` of them in a pack.
+template <class Kernel, class Scalar, std::size_t width, std::size_t doubles>
 struct SphProbes {
+  using Seen = SphSeenBy<typename PackOf<doubles>::type>;
   using Real = typename PackOf<width, Scalar>::type;
   static constexpr bool mixed = std::is_same_v<Scalar, float>;
   using Whole = std::conditional_t<mixed, std::int32_t, double>;
@@ -37,7 +38,7 @@ struct SphProbes {
   template <class Volume>
   static void look(const Row* own, std::span<const Row> rows, const Volume& volume,
                    const ClusterLists& lists, std::span<const ClusterLists::Entry> entries,
-                   const Units& in, SphSeen* out) {
+                   const Units& in, Seen* out) {
     const Here here(own);
     alignas(64) double all[sums][width] = {};
     for_parts(entries, [&](const auto& part) { add(here, rows, volume, lists, part, in, all); });
@@ -163,18 +164,22 @@ struct SphProbes {
     else
       return x;
   }
-  static void put(const double (&of)[sums][width], const Units& in, SphSeen* out) {
-    const double w = in.weight, x = w * in.length, xx = x * in.length, d = w * in.density,
-                 dx = d * in.length, u = w * in.speed;
-    for (std::size_t l = 0; l < width; ++l) {
-      SphSeen& s = out[l];
-      s.weight = w * of[0][l];
-      s.way = {x * of[2][l], x * of[3][l], x * of[4][l]};
-      s.density = d * of[1][l] + in.rest * s.weight;
-      s.density_way = Vec3d{dx * of[5][l], dx * of[6][l], dx * of[7][l]} + in.rest * s.way;
-      s.xx = xx * of[8][l], s.xy = xx * of[9][l], s.xz = xx * of[10][l];
-      s.yy = xx * of[11][l], s.yz = xx * of[12][l], s.zz = xx * of[13][l];
-      s.velocity = {u * of[14][l], u * of[15][l], u * of[16][l]};
+  static void put(const double (&of)[sums][width], const Units& in, Seen* out) {
+    using Pack = typename PackOf<doubles>::type;
+    const Pack w(in.weight), x(in.weight * in.length), xx(in.weight * in.length * in.length),
+        d(in.weight * in.density), dx(in.weight * in.density * in.length), u(in.weight * in.speed),
+        rest(in.rest);
+    for (std::size_t l = 0; l < width; l += doubles) {
+      const auto sum = [&](std::size_t c) { return load<Pack>(&of[c][l]); };
+      const auto three = [&](const Pack& unit, std::size_t c) {
+        return Vec3<Pack>{unit * sum(c), unit * sum(c + 1), unit * sum(c + 2)};
+      };
+      Seen& s = out[l / doubles];
+      s.weight = w * sum(0), s.way = three(x, 2), s.velocity = three(u, 14);
+      s.density = d * sum(1) + rest * s.weight;
+      s.density_way = three(dx, 5) + rest * s.way;
+      s.xx = xx * sum(8), s.xy = xx * sum(9), s.xz = xx * sum(10);
+      s.yy = xx * sum(11), s.yz = xx * sum(12), s.zz = xx * sum(13);
     }
   }
 };

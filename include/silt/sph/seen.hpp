@@ -1,55 +1,54 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
+#include <silt/core/lanes.hpp>
 #include <silt/core/vec3.hpp>
 #include <silt/sph/setup.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
 /// Sums of a probe over the liquid around it: V W (1, r, r r), V W rho (1, r) and V W v, with r
-/// from the probe.
-struct SphSeen {
+/// from the probe. `Real`: double, or a pack with one probe per lane.
+template <class Real>
+struct SphSeenBy {
   struct Mirrored {
-    double density;  // [kg/m3]
-    Vec3d velocity;  // [m/s] of the liquid
-    double share;    // [-] weight of this value
+    Real density;         // [kg/m3]
+    Vec3<Real> velocity;  // [m/s] of the liquid
+    Real share;           // [-] weight of this value
   };
-  double weight = 0, density = 0;
-  Vec3d way{0, 0, 0}, density_way{0, 0, 0}, velocity{0, 0, 0};
-  double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+  static Vec3<Real> none() { return {Real(0), Real(0), Real(0)}; }
+  Real weight = Real(0), density = Real(0);
+  Vec3<Real> way = none(), density_way = none(), velocity = none();
+  Real xx = Real(0), xy = Real(0), xz = Real(0), yy = Real(0), yz = Real(0), zz = Real(0);
 
   /// Weighted linear least-squares fit with weights V W. For a quantity f with the sums of V W f r
   /// and V W f, the gradient is slope(those), and the value at `centre` is the mean.
   struct Fit {
-    Vec3d centre;
-    double A, B, C, E, F, G, det, s, h;
-    bool known() const {
+    Vec3<Real> centre;
+    Real A, B, C, E, F, G, det, s;
+    double h;
+    Mask<Real> known() const {
       constexpr double thin = 1e-4;  // of 0.01 of a uniform neighbourhood
-      return det > thin;
+      return det > Real(thin);
     }
-    Vec3d slope(const Vec3d& of_way, double sum) const {
-      const Vec3d t = (s * h) * (of_way - sum * centre);
-      return (1 / (det * h)) * Vec3d{A * t.x + B * t.y + C * t.z, B * t.x + E * t.y + F * t.z,
-                                     C * t.x + F * t.y + G * t.z};
+    Vec3<Real> slope(const Vec3<Real>& of_way, const Real& sum) const {
+      const Vec3<Real> t = (s * Real(h)) * (of_way - sum * centre);
+      return (Real(1) / (det * Real(h))) * Vec3<Real>{A * t.x + B * t.y + C * t.z,
+                                                      B * t.x + E * t.y + F * t.z,
+                                                      C * t.x + F * t.y + G * t.z};
     }
   };
-  Fit fit(double h_) const {
-    const Vec3d centre = (1 / weight) * way;
+  Fit fit(double h) const {
+    const Vec3<Real> centre = (Real(1) / weight) * way;
     // Second moments about the centre, in h^2 and per weight.
-    const double s = 1 / (weight * h_ * h_), o = 1 / (h_ * h_);
-    const double a = xx * s - centre.x * centre.x * o, b = xy * s - centre.x * centre.y * o,
-                 d = xz * s - centre.x * centre.z * o, f = yz * s - centre.y * centre.z * o,
-                 g = zz * s - centre.z * centre.z * o;
-    const double flat = 1e-9;
-    double e = yy * s - centre.y * centre.y * o;
-    if (e < flat) e = 1;  // in 2D
-    const double A = e * g - f * f, B = d * f - b * g, C = b * f - d * e;
-    const double det = a * A + b * B + d * C;
-    return {centre, A, B, C, a * g - d * d, b * d - a * f, a * e - b * b, det, s, h_};
+    const Real o = Real(1 / (h * h)), s = o / weight;
+    const Real a = xx * s - centre.x * centre.x * o, b = xy * s - centre.x * centre.y * o,
+               d = xz * s - centre.x * centre.z * o, f = yz * s - centre.y * centre.z * o,
+               g = zz * s - centre.z * centre.z * o, across = yy * s - centre.y * centre.y * o;
+    const Real flat(1e-9), e = select(across < flat, Real(1), across);  // 1 in 2D
+    const Real A = e * g - f * f, B = d * f - b * g, C = b * f - d * e;
+    const Real det = a * A + b * B + d * C;
+    return {centre, A, B, C, a * g - d * d, b * d - a * f, a * e - b * b, det, s, h};
   }
 
   /// Density and velocity of a wall's particle at `away` [m] from the probe, its mirror image:
@@ -64,24 +63,30 @@ struct SphSeen {
   ///
   /// Source: A. English, J. M. Dominguez, R. Vacondio, A. J. C. Crespo, P. K. Stansby, S. J. Lind,
   ///         L. Chiapponi, M. Gomez-Gesteira, Comput. Part. Mech. 9 (2022) 1 (recalled).
-  Mirrored at(const Vec3d& away, const Liquid& liquid, const Vec3d& gravity, double h,
+  Mirrored at(const Vec3<Real>& away, const Liquid& liquid, const Vec3d& gravity, double h,
               bool bodies) const {
     constexpr double nothing = 1e-6, little = 0.1;  // [-]
-    if (!(weight > nothing)) return {liquid.density, {0, 0, 0}, 0};
-    const Vec3d centre = (1 / weight) * way, flow = (1 / weight) * velocity;
-    const double mean = density / weight;
-    const double c = liquid.sound_speed;
-    const Vec3d still = (liquid.density / (c * c)) * gravity;
-    const double rest = std::max(mean + dot(still, away - centre), liquid.density);
-    const double mirrored = bodies ? std::clamp(10 * (weight - 0.5), 0.0, 1.0) : 1;
-    const double sloped = std::min(mirrored, std::clamp(5 * (weight - 0.4), 0.0, 1.0));
-    if (weight < little || sloped == 0) return {rest, flow, mirrored};
+    const auto sees = weight > Real(nothing);
+    const Real over = Real(1) / select(sees, weight, Real(1)), rho(liquid.density);
+    const Real mean = over * density;
+    const Vec3<Real> off = away - over * way;
+    const Vec3d still = (liquid.density / (liquid.sound_speed * liquid.sound_speed)) * gravity;
+    const Real rest =
+        max(mean + (Real(still.x) * off.x + Real(still.y) * off.y + Real(still.z) * off.z), rho);
+    const auto beyond = [this](double least, double slope) {  // from 0 to 1
+      return max(min(Real(slope) * (weight - Real(least)), Real(1)), Real(0));
+    };
+    const Real mirrored = bodies ? beyond(0.5, 10) : Real(1);
+    const Real sloped = min(mirrored, beyond(0.4, 5));
     const Fit fit = this->fit(h);
-    if (!fit.known()) return {rest, flow, mirrored};
-    const Vec3d slope = fit.slope(density_way, density);
-    return {rest + sloped * (mean + dot(slope, away - centre) - rest), flow, mirrored};
+    const Vec3<Real> slope = fit.slope(density_way, density);
+    const Real fitted = rest + sloped * (mean + dot(slope, off) - rest);
+    const Real found = select(fit.known(), select(weight < Real(little), rest, fitted), rest);
+    return {select(sees, found, rho), select(sees, over * velocity, none()),
+            select(sees, mirrored, Real(0))};
   }
 };
+using SphSeen = SphSeenBy<double>;
 
 /// Sums of a particle over the liquid around it, with r from there: V grad W [1/m], V W [-],
 /// V W r [m] and V W P [Pa].

@@ -32,51 +32,91 @@ inline Vec3d sph_velocity_at_wall(const Vec3d& seen, const Vec3d& wall, const Ve
   return across * across >= 0 ? seen - 2 * across * away : seen;
 }
 
+/// What the wall particles of a pack of mirror images have from the liquid, a value per lane.
+template <class Pairs>
+struct SphImages {
+  static constexpr std::size_t W = Pairs::W;
+  alignas(64) double x[W] = {}, y[W] = {}, z[W] = {};  // [m] from an image to its particle
+  alignas(64) double density[W], u[W], v[W], w[W], share[W];
+
+  void put_way(std::size_t lane, const Vec3d& way) {
+    x[lane] = way.x, y[lane] = way.y, z[lane] = way.z;
+  }
+  Vec3d way(std::size_t lane) const { return {x[lane], y[lane], z[lane]}; }
+  Vec3d velocity(std::size_t lane) const { return {u[lane], v[lane], w[lane]}; }
+
+  template <class Seen>
+  void find(std::span<const Seen> seen, const Liquid& liquid, const Vec3d& gravity, double h,
+            bool bodies) {
+    using Real = decltype(Seen::weight);
+    for (std::size_t part = 0; part < seen.size(); ++part) {
+      const std::size_t l = part * Pairs::seen_width;
+      const auto image =
+          seen[part].at(load3<Real>(x + l, y + l, z + l), liquid, gravity, h, bodies);
+      store(density + l, image.density), store(share + l, image.share);
+      store(u + l, image.velocity.x), store(v + l, image.velocity.y);
+      store(w + l, image.velocity.z);
+    }
+  }
+};
+
 /// Density and velocity of wall particles, from the liquid at their mirror images.
 template <class Core>
 void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team) {
-  constexpr std::size_t W = Core::Pairs::W;
+  using Pairs = typename Core::Pairs;
   using Lists = typename Core::Lists;
+  constexpr std::size_t W = Pairs::W;
   auto& columns = core.columns;
   const auto& solids = core.solids;
   const Slip slip = core.setup.slip.value_or(Core::Viscosity::laminar ? Slip::None : Slip::Free);
   const std::size_t first = core.lists.first_pack(Lists::Probe), n = core.lists.packs() - first;
   if (slip == Slip::None) columns.sticking.resize(columns.size(), Vec3d{0, 0, 0});
-  // Particles lie scattered beside their images: they are fetched while the sums are made.
-  const auto fetch = [&](std::size_t pack) {
-    for (std::size_t row = pack * W; row < (pack + 1) * W; ++row) {
-      const std::uint32_t at = solids.of_row(row).wall_row;
-      if (at == Lists::none) continue;
+  // The wall particles of a pack, which lie scattered. They are fetched while the sums are made.
+  const auto find_walls = [&](std::size_t pack, std::array<std::uint32_t, W>& walls) {
+    bool any = false;
+    for (std::size_t l = 0; l < W; ++l) {
+      std::uint32_t& at = walls[l];
+      at = solids.of_row(pack * W + l).wall_row;
+      if (at == Lists::none) continue;  // or a grain
+      if (!core.lists.sees_liquid(at / W)) {
+        at = Lists::none;
+        continue;
+      }
+      any = true;
       __builtin_prefetch(&columns.rows[at], 1), __builtin_prefetch(&columns.volume[at], 1);
       if (slip == Slip::None) __builtin_prefetch(&columns.sticking[at], 1);
     }
+    return any;
   };
   team.for_ranges(n, Lists::packs_a_range, [&](std::size_t, std::size_t from, std::size_t to) {
+    std::array<std::uint32_t, W> walls;
     for (std::size_t p = first + from; p < first + to; ++p) {
-      fetch(p);
-      std::array<SphSeen, W> seen{};
+      if (!find_walls(p, walls)) continue;
+      std::array<typename Pairs::Seen, W / Pairs::seen_width> seen{};
       if (core.lists.sees_liquid(p))
         pairs.look(p, columns.rows, columns.volume, core.lists, seen, columns.brief);
+      SphImages<Pairs> images;
+      for (std::size_t l = 0; l < W; ++l)
+        if (const std::uint32_t at = walls[l]; at != Lists::none)
+          images.put_way(l, core.lists.repeats.shortest(columns.rows[at].position() -
+                                                        columns.rows[p * W + l].position()));
+      images.find(std::span<const typename Pairs::Seen>(seen), core.liquid, core.weight(),
+                  core.setup.h(), !solids.bodies.empty());
       for (std::size_t l = 0; l < W; ++l) {
+        const std::uint32_t at = walls[l];
+        if (at == Lists::none) continue;
         const std::size_t row = p * W + l;
-        const auto& own = solids.of_row(row);
-        const std::uint32_t at = own.wall_row;
-        if (at == Lists::none || !core.lists.sees_liquid(at / W)) continue;  // or a grain
         auto& wall = columns.rows[at];
-        const Vec3d away =
-            core.lists.repeats.shortest(wall.position() - columns.rows[row].position());
-        const SphSeen::Mirrored image =
-            seen[l].at(away, core.liquid, core.weight(), core.setup.h(), !solids.bodies.empty());
-        wall.density = image.density, wall.pressure = core.liquid.pressure(image.density);
+        wall.density = images.density[l], wall.pressure = core.liquid.pressure(wall.density);
         const Vec3d of_solid = solids.velocity(columns.label[row], row);
         const auto at_wall = [&](Slip how) {
-          return of_solid +
-                 image.share *
-                     (sph_velocity_at_wall(image.velocity, of_solid, away, how) - of_solid);
+          return of_solid + images.share[l] * (sph_velocity_at_wall(images.velocity(l), of_solid,
+                                                                    images.way(l), how) -
+                                               of_solid);
         };
         wall.move(at_wall(slip));
         if (slip == Slip::None) columns.sticking[at] = wall.velocity() - at_wall(Slip::Free);
-        columns.volume[at] = own.share * core.particle_mass() / image.density;
+        columns.volume[at] = solids.of_row(row).share * core.particle_mass() / wall.density;
       }
     }
   });
