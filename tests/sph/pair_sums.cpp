@@ -193,7 +193,9 @@ void compare_probes(int dimensions, double close) {
   int well_seen = 0;
   // Packs of walls look at the liquid as probes do.
   const std::size_t first = box.packed.lists.first_pack(ClusterLists::Wall);
-  for (std::size_t p = first; p < std::min(first + 20, box.packed.lists.packs()); ++p) {
+  for (std::size_t p = first;
+       p < std::min(first + std::max<std::size_t>(20, 100 / Pairs::W), box.packed.lists.packs());
+       ++p) {
     constexpr std::size_t lanes = Pairs::seen_width;
     std::array<typename Pairs::Seen, Pairs::W / lanes> seen{};
     pairs.look(p, c.rows, c.volume, box.packed.lists, seen, c.brief);
