@@ -1,8 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <numbers>
 #include <span>
 #include <utility>
 #include <vector>
@@ -106,6 +108,31 @@ TEST_CASE("CoupledMesh: momentum of particles and fluid is kept, and solids fill
   CHECK(sim.fluid().flow().velocity(1)[0] > 0);
   const double V = sim.mass(0) / 2500;
   CHECK(near_relative(1 - sim.fluid().voidage()[0], 2 * V / Layers{}.volume(0), 1e-9));
+}
+
+TEST_CASE("CoupledMesh: sizes of a mixture feel the drag of the mean of their cell") {
+  // In the lower cell spheres of 0.5 and 1 mm, in the upper one of 1 mm alone: what the fluid of a
+  // cell gets in its first step. Catches a mean over all cells, and no mean (1.11 in the lower).
+  const auto push = [](const auto& drag) {
+    CoupledMesh fluid{PointWeights{Layers{}}, Blobs{{1.2, 1.8e-5}}, drag};
+    std::vector<Vec3d> x, v, force;
+    std::vector<double> r, V, m;
+    const auto put = [&](double z, double radius) {
+      x.push_back({0.005, 0.005, z}), r.push_back(radius);
+      v.push_back({0.1, 0, 0}), V.push_back(4 * std::numbers::pi / 3 * std::pow(radius, 3));
+      m.push_back(1e9 * V.back());
+    };
+    for (int k = 0; k < 8; ++k) put(0.005, 2.5e-4);
+    put(0.005, 5e-4), put(0.02, 5e-4), force.resize(x.size());
+    fluid.advance({{x, r}, v, V, m}, 1e-6, force);
+    double low = 0;
+    for (int k = 0; k < 9; ++k) low += force[k].x;
+    return std::array{low, force[9].x};
+  };
+  const auto mixed = push(silt::Polydisperse{silt::Stokes{}}), plain = push(silt::Stokes{});
+  // Stokes' drag per volume is 18 mu/d^2: of the mean 2/3 mm, against that of both sizes.
+  CHECK(mixed[0] / plain[0] == near(0.5625 / 0.625).epsilon(1e-6));
+  CHECK(mixed[1] / plain[1] == near(1).epsilon(1e-12));
 }
 
 TEST_CASE("CoupledMesh: particles too light for its explicit pressure are refused") {

@@ -237,25 +237,4 @@ TEST_CASE("drag: coefficients: F = V beta W/(1 - eps), model B, Ergun's pressure
       near_relative(silt::interphase_coefficient(Ergun(), eps, Re, d, mu) * W / eps, drop, 1e-14));
 }
 
-TEST_CASE("drag: sizes of a mixture: together they feel the drag of the Sauter mean") {
-  // The pressure drop of a mixture is that of its Sauter mean, at any eps: but for the term of
-  // 0.064, the drags of all sizes add up to that of n_mean spheres <d> of the same volume. With
-  // eps + (1 - eps) y, as this function once was, they are 1.09 times that at eps = 0.4 and 1.19
-  // times at 0.8.
-  const double d[] = {1e-3, 2.6e-3}, n[] = {9, 2};
-  double d2 = 0, d3 = 0;
-  for (int i = 0; i < 2; ++i) d2 += n[i] * d[i] * d[i], d3 += n[i] * d[i] * d[i] * d[i];
-  const double mean = d3 / d2, n_mean = d3 / (mean * mean * mean);
-  double force = 0;
-  for (int i = 0; i < 2; ++i) {
-    const double y = d[i] / mean;
-    force += n[i] * d[i] * (silt::polydisperse_factor(y) - 0.064 * y * y * y);
-  }
-  CHECK(near_relative(force, n_mean * mean, 1e-14));
-  // Model B holds the pressure gradient too, (1 - eps) y^2 of the whole force: what is left of its
-  // factor, eps y + (1 - eps) y^2 + 0.064 eps y^3, is eps times ours. By hand at y = 2, eps = 0.5:
-  // 1 + 2 + 0.256 - 2 = 1.256. The factor of model B in its place would give 1.628.
-  CHECK(near_relative(0.5 * silt::polydisperse_factor(2.0), 1.256, 1e-15));
-}
-
 }  // namespace drag_test

@@ -19,6 +19,7 @@
 #include <silt/coupling/coupled_step.hpp>
 #include <silt/coupling/held_cells.hpp>
 #include <silt/coupling/left_particle.hpp>
+#include <silt/coupling/mean_diameter.hpp>
 #include <silt/coupling/particle_exchange.hpp>
 #include <silt/coupling/step_choice.hpp>
 #include <silt/fluid/concept.hpp>
@@ -127,6 +128,7 @@ class BasicCoupledFlow {
     spread_volume(particles, done, team);
     find_cells(team);
     gather(n, team, true);
+    find_mean_diameters(particles, team);
     exchange_.find(particles, dt, torque, team);
     spread_exchange(particles, dt, team);
     if (particles.heat) spread_heat(particles, dt, team);
@@ -241,6 +243,21 @@ class BasicCoupledFlow {
   void spread_left(const CoupledParticles& present, const Team& team);
   void find_change(CellField& more, const Team& team) const;
   void spread_volume(const CoupledParticles& of, CoupledStep& done, const Team& team);
+  void find_mean_diameters(const CoupledParticles& of, const Team& team) {
+    if constexpr (Exchange::needs_mean_diameter) {
+      CellField sum(flow_.grid());
+      detail::find_mean_diameters(of, exchange_.at.mean_diameter,
+                                  [&](std::span<const double> from, std::span<double> to) {
+                                    CellField* const cells[] = {&sum};
+                                    averaging_->spread(Quantities(&from, 1), cells, team);
+                                    if (const auto* joined = flow_.joined_cells())
+                                      joined->spread(sum);
+                                    join(sum);
+                                    const CellField* const seen[] = {&sum};
+                                    averaging_->gather(seen, GatheredValues(&to, 1), team);
+                                  });
+    }
+  }
   void find_loads(const Team& team) {
     if (in_pressure()) cells_.find_slope(flow_, team), cells_.find_stress(flow_, team);
   }

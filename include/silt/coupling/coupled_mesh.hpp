@@ -12,6 +12,7 @@
 #include <silt/coupling/cell_space.hpp>
 #include <silt/coupling/concept.hpp>
 #include <silt/coupling/coupled_step.hpp>
+#include <silt/coupling/mean_diameter.hpp>
 #include <silt/coupling/particle_exchange.hpp>
 #include <silt/coupling/step_choice.hpp>
 
@@ -113,6 +114,14 @@ class CoupledMesh {
     gather(n, team);
     exchange_.at.voidage.resize(n);
     space_.gather(eps_, exchange_.at.voidage, team);
+    if constexpr (Exchange::needs_mean_diameter) {
+      Column sum(space_.cells());
+      detail::find_mean_diameters(of, exchange_.at.mean_diameter,
+                                  [&](std::span<const double> from, std::span<double> to) {
+                                    space_.spread(from, sum, team);
+                                    space_.gather(sum, to, team);
+                                  });
+    }
     exchange_.find(of, dt, torque, team);
     if (!(exchange_.gain() < 1))
       throw Error(

@@ -39,6 +39,7 @@ struct FluidAtParticles {
   ParticleColumns curl;             // [1/s] of the velocity; if a force needs it
   ParticleColumns stretch, strain;  // [1/s] xx, yy, zz and yz, zx, xy; likewise
   ParticleColumns convection;       // [m/s2] u grad u; with an added mass
+  ParticleColumn mean_diameter;     // [m] Sauter mean of the particles around; likewise
 };
 
 /// Contributions of particles to the fluid in its step, to be distributed over its cells: see

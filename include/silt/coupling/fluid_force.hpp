@@ -21,13 +21,14 @@ struct InFluid {
   double voidage;             // [-] at the particle
   double diameter;            // [m] of the sphere of equal volume
   double volume, mass;        // [m3], [kg]; infinite: fixed
-  double dt;                  // [s] the fluid step
-  Vec3d slip;                 // [m/s] fluid's velocity minus the particle's
-  Vec3d curl;                 // [1/s] of the fluid's velocity; if a force needs it
-  Vec3d angular_velocity;     // [rad/s] of the particle, unless needs_spin = false in all forces
-  Quaternion orientation;     // principal axes to space, and
-  std::uint32_t form;         // number of the form: for bodies
-  const FormInFlow* body;     // shape of that form; null for spheres
+  double mean_diameter;    // [m] Sauter mean around the particle; if the drag or a force needs it
+  double dt;               // [s] the fluid step
+  Vec3d slip;              // [m/s] fluid's velocity minus the particle's
+  Vec3d curl;              // [1/s] of the fluid's velocity; if a force needs it
+  Vec3d angular_velocity;  // [rad/s] of the particle, unless needs_spin = false in all forces
+  Quaternion orientation;  // principal axes to space, and
+  std::uint32_t form;      // number of the form: for bodies
+  const FormInFlow* body;  // shape of that form; null for spheres
   /// [1/s] rates of strain xx, yy, zz and yz, zx, xy (half of the sums) if a force needs them
   Vec3d stretch, strain;
   std::size_t place;            // index among the particles of this step
@@ -39,10 +40,10 @@ struct InFluid {
 ///   Vec3d torque_on(const InFluid&) const       [N m]
 ///   double added_mass(const InFluid&) const     [kg] accelerated with the particle
 /// and optionally `static constexpr bool needs_curl = true`, needs_strain (which includes the
-/// curl), or sees_forms. needs_spin = true refuses spheres that do not rotate, whose angular
-/// velocity is 0; needs_spin = false, in all forces, saves reading the angular velocities. The
-/// reaction acts on the fluid in the same step. FollowedDrag, which
-/// changes the integration of drag, is given in the same place (followed_drag.hpp).
+/// curl), needs_mean_diameter, or sees_forms. needs_spin = true refuses spheres that do not rotate,
+/// whose angular velocity is 0; needs_spin = false, in all forces, saves reading the angular
+/// velocities. The reaction acts on the fluid in the same step. FollowedDrag, which changes the
+/// integration of drag, is given in the same place (followed_drag.hpp).
 template <class F>
 concept FluidForce = requires(const F& f, const InFluid& at) {
   { f.force_on(at) } -> std::same_as<Vec3d>;

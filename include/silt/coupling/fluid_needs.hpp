@@ -19,6 +19,10 @@ inline constexpr bool wants_strain = requires {
   requires F::needs_strain;
 };
 template <class F>
+inline constexpr bool wants_mean_diameter = requires {
+  requires F::needs_mean_diameter;
+};
+template <class F>
 inline constexpr bool wants_forms = requires {
   requires F::sees_forms;
 };

@@ -67,6 +67,8 @@ class ParticleExchange {
   static constexpr bool needs_curl = needs_strain || (false || ... || wants_curl<Forces>);
   static constexpr bool sees_forms =
       detail::wants_forms<Drag> || (false || ... || detail::wants_forms<Forces>);
+  static constexpr bool needs_mean_diameter =
+      detail::wants_mean_diameter<Drag> || (false || ... || detail::wants_mean_diameter<Forces>);
   /// Particles are given with their angular velocities.
   static constexpr bool needs_spin =
       turns || detail::drag_reads_spin<Drag> || (false || ... || detail::reads_spin<Forces>);
@@ -85,8 +87,8 @@ class ParticleExchange {
                 "normalised(eps, Re) a template of Real, as silt/coupling/drag/concept.hpp says");
   static_assert(
       !(follows && OrientedDragLaw<Drag>),
-      "FollowedDrag does not support oriented bodies: use a drag law of spheres, or leave it "
-      "out");
+      "FollowedDrag supports neither oriented bodies nor Polydisperse: use a drag law of spheres, "
+      "or leave it out");
 
   explicit ParticleExchange(const Drag& drag, const Forces&... forces)
       : drag_(drag), forces_(forces...) {

@@ -58,6 +58,11 @@ void ParticleExchange<Drag, Forces...>::remember([[maybe_unused]] const CoupledP
 template <class Drag, class... Forces>
 void ParticleExchange<Drag, Forces...>::find(const CoupledParticles& of, double dt,
                                              std::span<Vec3d> torque, const Team& team) {
+  if constexpr (needs_mean_diameter)
+    require(at.mean_diameter.size() == of.velocity.size(),
+            "ParticleExchange: ", at.mean_diameter.size(), " mean diameters for ",
+            of.velocity.size(),
+            " particles; set at.mean_diameter, which this drag law or force needs");
   remember(of, dt, team);
   response_.resize(of.velocity.size());
   if constexpr (follows) others_.resize(of.velocity.size());
@@ -106,6 +111,7 @@ auto ParticleExchange<Drag, Forces...>::particle(const CoupledParticles& of, std
   here.voidage = voidage(p);
   here.diameter = 2 * of.shape.radius[p], here.volume = of.volume[p], here.mass = of.mass[p];
   here.inertia_factor = of.inertia_factor;
+  if constexpr (needs_mean_diameter) here.mean_diameter = at.mean_diameter[p];
   here.dt = dt, here.place = p, here.slip = vector_of(at.velocity, p) - of.velocity[p];
   if constexpr (needs_curl) here.curl = vector_of(at.curl, p);
   if constexpr (needs_strain)

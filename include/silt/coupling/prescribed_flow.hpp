@@ -46,6 +46,9 @@ class PrescribedFlow {
   static_assert(!(AveragingMode<Forces> || ...),
                 "PrescribedFlow has no cells and takes no averaging mode: leave it out "
                 "(silt/coupling/prescribed_flow.hpp)");
+  static_assert(!Exchange::needs_mean_diameter,
+                "PrescribedFlow has no cells, and no mean diameter of the particles around: use a "
+                "drag law without Polydisperse, or a CoupledFlow");
   static_assert(!Exchange::follows,
                 "PrescribedFlow computes drag in each particle step: leave out FollowedDrag");
 

@@ -14,6 +14,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/coupling/coupled_step.hpp>
+#include <silt/coupling/mean_diameter.hpp>
 #include <silt/coupling/particle_exchange.hpp>
 #include <silt/sph/cluster_lists.hpp>
 #include <silt/sph/columns.hpp>
@@ -229,6 +230,18 @@ class AveragedGrains {
       }
     });
     const CoupledParticles of = particles();
+    if constexpr (Exchange::needs_mean_diameter) {
+      DynArray<double> sum(rows);
+      find_mean_diameters(of, at.mean_diameter,
+                          [&](std::span<const double> from, std::span<double> to) {
+                            std::fill(sum.begin(), sum.end(), 0.0);
+                            spread(from, sum, team);
+                            for (std::size_t p = 0; p < n; ++p) {
+                              to[p] = 0;
+                              for (const Share& s : shares_[p]) to[p] += s.weight * sum[s.row];
+                            }
+                          });
+    }
     exchange_.check(of, n, 0);
     exchange_.find(of, dt, {}, team);
     if (!(exchange_.gain() < 1))

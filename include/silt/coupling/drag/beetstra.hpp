@@ -25,23 +25,6 @@ struct Beetstra {
   }
 };
 
-/// Fhat of one size in a mixture over Fhat(eps, Re) of its mean size, y = d_i/<d>, <d> the Sauter
-/// mean, sum n d^3/sum n d^2, and Re with <d>:
-///   y + 0.064 y^3
-/// The factor of the whole force, of model B, is eps y + (1 - eps) y^2 + 0.064 eps y^3, both forces
-/// over 3 pi mu d_i eps W. The part (1 - eps) y^2 is the pressure gradient on the volume, which the
-/// drag of model A does not contain; the rest is eps times the factor above. Apart from 0.064 y^3,
-/// the drag of all sizes is that of <d> at any eps. With y = 1 the factor is 1.064: use it only for
-/// mixtures, and for laws of Beetstra's kind.
-/// Source: M. A. van der Hoef, R. Beetstra, J. A. M. Kuipers, J. Fluid Mech. 528 (2005) 233;
-///         Beetstra 2007 as above, with erratum. Recalled: the print was not read. The source of
-///         CFDEMcoupling-PFM (BeetstraDragPoly) has the factor above; that of MFIX (drag_gs.f) has
-///         the factor of model B and, for model A, only y.
-template <class Real>
-inline Real polydisperse_factor(const Real& y) {
-  return y * (Real(1) + detail::lanes_of<Real>(0.064) * y * y);
-}
-
 static_assert(DragLaw<Beetstra>);
 
 }  // namespace silt
