@@ -46,9 +46,9 @@ int main() {
   // Drag by the mean size around a grain. This one is alone, so that it changes nothing.
   silt::CoupledFlow mixture{silt::Polydisperse{silt::Gidaspow{}}, silt::Kernel{}, air};
   const auto drop = [&](const auto& flow) {
-    silt::Particles<silt::Sphere> grains;
-    grains.add({.position = {0.006, 0.006, 0.03}, .radius = 0.5e-3, .density = 1500});
-    silt::Simulation alone{std::move(grains), silt::Contacts<silt::HertzMindlin>{glass}, flow};
+    silt::Particles<silt::Sphere> single;
+    single.add({.position = {0.006, 0.006, 0.03}, .radius = 0.5e-3, .density = 1500});
+    silt::Simulation alone{std::move(single), silt::Contacts<silt::HertzMindlin>{glass}, flow};
     alone.gravity = {0, 0, -9.81};
     alone.run(0.01);
     return alone.velocity(0).z;
