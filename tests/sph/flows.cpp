@@ -137,16 +137,15 @@ TEST_CASE("SPH: dynamic walls hold a column") {
 }
 #endif
 
-TEST_CASE("SPH: flow between plates, driven by a force, within 1 % at 40 particles") {
-  const double coarse = error_between_plates(10, false), fine = error_between_plates(40, false);
-  CHECK(coarse < 0.02);
-  CHECK(fine < 0.006);
-}
-
-TEST_CASE("SPH: flow between plates, driven by one of them: first order in the spacing") {
-  const double coarse = error_between_plates(10, true), fine = error_between_plates(40, true);
-  CHECK(coarse < 0.016);
-  CHECK(fine < 0.3 * coarse);
+TEST_CASE("SPH: flow between plates: second order in the spacing, 0.2 % at 40 particles") {
+  // Measured 2.0 and 0.14 % driven by a force, 0.8 and 0.05 % by a plate. Images with the mean
+  // velocity around them, which is farther from the wall, make it first order: 0.7 and 0.5 % at 40.
+  for (const bool by_plate : {false, true}) {
+    const double coarse = error_between_plates(10, by_plate),
+                 fine = error_between_plates(40, by_plate);
+    CHECK(coarse < 0.021);
+    CHECK(fine < 0.1 * coarse);
+  }
 }
 
 #ifdef SILT_LONG_TESTS

@@ -141,7 +141,8 @@ TEST_CASE("SPH ledger: channels of a pair by hand") {
   CHECK(artificial.laminar == 0);
   const auto laminar = one_step(LaminarViscosity{.kinematic = 0.02}, NoDiffusion{}, 0);
   CHECK(laminar.laminar ==
-        near(-p.m * p.m * 4 * 0.02 * r2 * F / (2 * rho * wide) * square).epsilon(1e-5));
+        near(-p.m * p.m * 4 * 0.02 * 2 / (5.0 / 9 * p.h * p.h) * along * along * F / (2 * rho))
+            .epsilon(1e-5));
   // Of diffusion: m (P_a/rho_a^2) d rho_a/dt, P_b = 0.
   const double P = 2000, rho_a = water.density_at(P);
   const auto diffusion = one_step(Inviscid{}, MolteniColagrossi{.delta = 0.2}, P);

@@ -51,7 +51,13 @@ struct Box3 {
   }
   template <class Kernel>
   detail::SphConstants constants(const Vec3d& gravity = {0, 0, 0}) const {
-    return {mass, h, Kernel::normalisation(dimensions, h), sound, density, gravity};
+    return {mass,
+            h,
+            Kernel::normalisation(dimensions, h),
+            sound,
+            density,
+            gravity,
+            dimensions / (detail::sph_second_moment<Kernel>(dimensions) * h * h)};
   }
   template <class Visit>
   void for_neighbours(std::size_t a, const Visit& visit) const {
@@ -91,9 +97,9 @@ detail::SphRates plain(const Box3& box, std::size_t a, const Viscosity& viscosit
         sum.acceleration += (m * viscosity.alpha * sound * h * vr / ((r2 + eta2) * mean)) * slope;
     }
     if constexpr (Viscosity::laminar)
-      sum.acceleration +=
-          (m * 4 * viscosity.kinematic * dot(r, slope) / ((A.density + B.density) * (r2 + eta2))) *
-          v;
+      sum.acceleration += (m * 4 * viscosity.kinematic * box.constants<Kernel>().viscous *
+                           dot(v, r) / (A.density + B.density)) *
+                          slope;
     if constexpr (Diffusion::diffuses)
       if (box.packed.columns.kind[b] == ClusterLists::Liquid) {
         double difference = A.density - B.density;

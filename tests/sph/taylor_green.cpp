@@ -59,20 +59,20 @@ Decayed vortices(int n, const Shift& shifting, double scatter, double smoothing 
 // What stretches a lattice raises the sums of its kernels, without moving the gradient by which
 // particles shift: pressure builds up, until rows buckle. Half of the energy goes that way.
 TEST_CASE("SPH: Taylor-Green vortices decay as they must, from scattered particles") {
-  // 3.4, 1.2 and 0.3 % too little; what is lost at first is the disorder of the start.
+  // 5.2, 2.6 and 1.5 % too little; what is lost at first is the disorder of the start. (A viscosity
+  // with r.grad W/(r^2 + (0.1 h)^2) is 2 % too small, which made up for most of it: 0.3 % at 80.)
   const Decayed coarse = vortices(20, ShiftingByFastest{}, 0.2),
                 middle = vortices(40, ShiftingByFastest{}, 0.2),
                 fine = vortices(80, ShiftingByFastest{}, 0.2);
-  // Twice as fine: 2.9 and 4.6 times as near.
-  CHECK(std::abs(middle.energy - 1) < 0.5 * std::abs(coarse.energy - 1));
-  CHECK(std::abs(fine.energy - 1) < 0.5 * std::abs(middle.energy - 1));
-  CHECK(std::abs(coarse.energy - 1) < 0.045);
-  CHECK(std::abs(middle.energy - 1) < 0.018);
-  CHECK(std::abs(fine.energy - 1) < 0.007);
-  CHECK(std::abs(fine.mode - 1) < 0.004);
+  CHECK(std::abs(middle.energy - 1) < 0.6 * std::abs(coarse.energy - 1));
+  CHECK(std::abs(fine.energy - 1) < 0.65 * std::abs(middle.energy - 1));
+  CHECK(std::abs(coarse.energy - 1) < 0.06);
+  CHECK(std::abs(middle.energy - 1) < 0.03);
+  CHECK(std::abs(fine.energy - 1) < 0.018);
+  CHECK(std::abs(fine.mode - 1) < 0.009);
   // A wider kernel.
   const Decayed wide = vortices(40, ShiftingByFastest{}, 0.2, 1.4);
-  CHECK(std::abs(wide.energy - 1) < 0.006);
+  CHECK(std::abs(wide.energy - 1) < 0.015);
 }
 
 TEST_CASE("SPH: Taylor-Green vortices from a lattice, and with shifting by the local speed") {

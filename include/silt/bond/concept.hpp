@@ -38,11 +38,12 @@ struct BondAnswer {
 ///   double energy(const BondStrain<double>&, const Numbers<double>&) const;  [J] in the springs
 ///   BondStiffness stiffest(const Numbers<double>&) const;
 ///
-/// Numbers are stored in single precision and are 0 in lanes without a bond. Optional: a function
-/// holds(), like load(), which finds with less work the lanes that certainly hold; load() is then
-/// called only for the others. `bool has_dashpots() const`, if it returns false: velocities are not
-/// read, rates of strains are not computed, and the rate_force and rate_couple of an answer count as
-/// 0.
+/// Real is double or a pack, one bond per lane: use select(), min(), max() of core/lanes.hpp, not
+/// `if` or std::max, on values; what works only for one double is refused at compile time. Numbers
+/// are stored in single precision and are 0 in lanes without a bond. Optional: a function holds(),
+/// like load(), which finds with less work the lanes that certainly hold; load() is then called
+/// only for the others. `bool has_dashpots() const`, if it returns false: velocities are not read,
+/// rates of strains are not computed, and the rate_force and rate_couple of an answer count as 0.
 template <class M>
 concept BondModel = requires(const M& model, const BondedPair& pair, const BondStrain<double>& s,
                              const Vec3d& n, const typename M::template Numbers<double>& p) {

@@ -93,6 +93,7 @@ struct SphCore {
   std::size_t left = 0, displaced = 0;
   double time = 0, now = 0, last_step = 0;  // [s] now: of the rates
   double full = 0;                          // [-] div r of a lattice
+  double moment = 0;                        // [-] second moment of the kernel over h^2
   double exchange = INFINITY;               // [s] sph_longest_exchange() of the last step
   std::int64_t steps = 0;
   bool stale = true;   // lists must be rebuilt
@@ -110,6 +111,7 @@ struct SphCore {
             "SphSetup.slip has no effect with DynamicWalls; leave it out, or use MirroredWalls");
     choose_courant();
     full = sph_divergence_of_lattice<Kernel>(setup);
+    moment = sph_second_moment<Kernel>(setup.dimensions);
     if constexpr (Shift::shifts) surface_slope = SphSurfaceSlope<Kernel>(setup.dimensions);
     if constexpr (!Time::two_stages) check_verlet();
     static_assert(Pairs::W <= Lists::most_width);
@@ -225,9 +227,14 @@ struct SphCore {
   /// @{
   SphConstants constants() const {
     const double h = setup.h();
-    return {
-        particle_mass(), h,       Kernel::normalisation(setup.dimensions, h), liquid.sound_speed,
-        liquid.density,  weight()};
+    const double viscous = setup.dimensions / (moment * h * h);
+    return {particle_mass(),
+            h,
+            Kernel::normalisation(setup.dimensions, h),
+            liquid.sound_speed,
+            liquid.density,
+            weight(),
+            viscous};
   }
   Pairs pairs() const { return Pairs(constants(), viscosity, diffusion, lists.extent()); }
   /// For mixed precision: converts rows for the pair sums, all or those of some packs.

@@ -36,6 +36,17 @@ inline void check_dimensions(int dimensions) {
   require(dimensions == 2 || dimensions == 3, "SPH: ", dimensions,
           " dimensions; it must be 2 or 3");
 }
+/// [-] int r^2 W dV over h^2, by Simpson's rule: 5/9 in 2D and 4/5 in 3D for WendlandC2.
+template <class Kernel>
+double sph_second_moment(int dimensions) {
+  constexpr int n = 400;
+  double sum = 0;
+  for (int k = 1; k < n; ++k) {
+    const double q = 2.0 * k / n, around = dimensions == 2 ? q : 2 * q * q;
+    sum += (k % 2 ? 4 : 2) * around * q * q * Kernel::weight(q);
+  }
+  return Kernel::normalisation(dimensions, 1.0) * 2 * std::numbers::pi * sum * 2 / (3 * n);
+}
 }  // namespace detail
 
 /// Wendland C2 kernel, w = (1 - q/2)^4 (1 + 2 q). No pairing of particles for any number of

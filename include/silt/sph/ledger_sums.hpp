@@ -60,7 +60,7 @@ class SphPowerSums {
       : slope_(c.normalisation / (c.h * c.h)), over_h_(1 / c.h) {
     small_ = sph_softening<Viscosity>() * c.h * c.h;
     if constexpr (Viscosity::artificial) damping_ = 2 * viscosity.alpha * c.sound * c.h;
-    if constexpr (Viscosity::laminar) drag_ = 4 * viscosity.kinematic;
+    if constexpr (Viscosity::laminar) drag_ = 4 * viscosity.kinematic * c.viscous;
     if constexpr (Diffusion::diffuses) delta_ = 2 * diffusion.delta * c.h * c.sound;
     still_ = (-c.density / (c.sound * c.sound)) * c.gravity;
   }
@@ -121,12 +121,12 @@ class SphPowerSums {
       const Real wide = r2 + Real(small_);
       const Real over = rho * mf / (wide * (rho + Real(b.density)));
       const Real artificial = Real(damping_) * min(along, Real(0)) * over;  // force over d
-      const Real laminar = Real(drag_) * r2 * over;                         // over u
+      const Real laminar = Real(drag_) * along * over * wide;
       if constexpr (!decltype(solid)::value) {
         if constexpr (Viscosity::artificial)
           s.artificial = multiply_add(Real(0.5) * artificial, along, s.artificial);
         if constexpr (Viscosity::laminar)
-          s.laminar = multiply_add(Real(0.5) * laminar, ux * ux + uy * uy + uz * uz, s.laminar);
+          s.laminar = multiply_add(Real(0.5) * laminar, along, s.laminar);
         if constexpr (Diffusion::diffuses) {
           Real difference = rho - Real(b.density);
           if constexpr (Diffusion::hydrostatic)
@@ -150,8 +150,8 @@ class SphPowerSums {
           work = multiply_add(artificial, d_u, work);
         }
         if constexpr (Viscosity::laminar) {
-          s.laminar = multiply_add(laminar, ux * wx + uy * wy + uz * wz, s.laminar);
-          work = multiply_add(laminar, ux * Real(u.x) + uy * Real(u.y) + uz * Real(u.z), work);
+          s.laminar = multiply_add(laminar, d_w, s.laminar);
+          work = multiply_add(laminar, d_u, work);
         }
         const Real body = Real(of_b.of_body), wall = Real(1 - of_b.of_body);
         s.walls = multiply_add(wall, work, s.walls), s.bodies = multiply_add(body, work, s.bodies);

@@ -31,6 +31,7 @@ struct SphConstants {
   double mass, h, normalisation;  // [kg], [m], a of the kernel
   double sound, density;          // [m/s], [kg/m3]
   Vec3d gravity;                  // [m/s2]
+  double viscous;                 // [1/m2] D over the second moment of the kernel
 };
 
 /// [-] of h^2, added to r^2 in the terms of viscosity and diffusion: 0.01, or that of a viscosity.
@@ -100,7 +101,7 @@ class SphPairs {
     slope_ = volume_ * c.normalisation / (c.h * c.h);
     if constexpr (Viscosity::artificial) damping_ = Scalar(-2 * viscosity.alpha * mass * sound * h);
     if constexpr (Viscosity::laminar)
-      drag_ = Scalar(-4 * viscosity.kinematic / (length_ * speed_) * mass);
+      drag_ = Scalar(-4 * viscosity.kinematic * c.viscous * length_ / speed_ * mass);
     if constexpr (Diffusion::diffuses) delta_ = 2 * diffusion.delta * c.h * c.sound * density_;
     const double still = -c.density / (c.sound * c.sound) * length_ / density_;
     const Vec3d& g = c.gravity;
@@ -358,16 +359,11 @@ class SphPairs {
     const Real approach = along * over;
     if constexpr (Viscosity::artificial)
       k = multiply_add(a.damping, mf * min(approach, Real(0)), k);
+    if constexpr (Viscosity::laminar) k = multiply_add(a.drag, mf * approach * wide, k);
     sum.push.x = multiply_add(k, dx, sum.push.x);
     sum.push.y = multiply_add(k, dy, sum.push.y);
     sum.push.z = multiply_add(k, dz, sum.push.z);
     sum.fastest = max(sum.fastest, abs(approach * both_rho));
-    if constexpr (Viscosity::laminar) {
-      const Real drag = a.drag * (r2 * over * mf);
-      sum.push.x = multiply_add(drag, ux, sum.push.x);
-      sum.push.y = multiply_add(drag, uy, sum.push.y);
-      sum.push.z = multiply_add(drag, uz, sum.push.z);
-    }
     if constexpr (Diffusion::diffuses && liquid) {
       Real difference = a.density - Real(b.density);
       if constexpr (Diffusion::hydrostatic)

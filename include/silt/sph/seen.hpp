@@ -15,6 +15,7 @@ struct SphSeenBy {
     Real density;         // [kg/m3]
     Vec3<Real> velocity;  // [m/s] of the liquid
     Real share;           // [-] weight of this value
+    Real nearer;          // [-] of the probe to the wall, over the liquid seen: at most 1
   };
   static Vec3<Real> none() { return {Real(0), Real(0), Real(0)}; }
   Real weight = Real(0), density = Real(0);
@@ -82,8 +83,9 @@ struct SphSeenBy {
     const Vec3<Real> slope = fit.slope(density_way, density);
     const Real fitted = rest + sloped * (mean + dot(slope, off) - rest);
     const Real found = select(fit.known(), select(weight < Real(little), rest, fitted), rest);
+    const Real half = Real(0.5) * dot(away, away), reach = half - over * dot(way, away);
     return {select(sees, found, rho), select(sees, over * velocity, none()),
-            select(sees, mirrored, Real(0))};
+            select(sees, mirrored, Real(0)), select(reach > half, half / reach, Real(1))};
   }
 };
 using SphSeen = SphSeenBy<double>;

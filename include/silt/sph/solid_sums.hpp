@@ -25,11 +25,16 @@ namespace silt::inline SILT_TARGET::detail {
 
 /// Velocity of a wall's particle at `away` from its mirror image, where the liquid has the velocity
 /// `seen`: the mean on the surface between them is that of the wall (no-slip), or along it (slip).
+/// `seen` is a mean over liquid that is farther from the wall than the image; along a no-slip wall
+/// the velocity there is `nearer` times as different from the wall's, if it is linear. Bodies take
+/// 1: within the kernel of a sphere of a few spacings it is not, and its drag came out 6 % less.
 inline Vec3d sph_velocity_at_wall(const Vec3d& seen, const Vec3d& wall, const Vec3d& away,
-                                  Slip slip) {
-  if (slip == Slip::None) return 2 * wall - seen;
-  const double across = dot(seen - wall, away) / dot(away, away);
-  return across * across >= 0 ? seen - 2 * across * away : seen;
+                                  double nearer, Slip slip) {
+  const Vec3d slips = seen - wall;
+  const double part = dot(slips, away) / dot(away, away);
+  if (!(part * part >= 0)) return slip == Slip::None ? wall - slips : seen;
+  const Vec3d across = part * away;
+  return slip == Slip::None ? wall - across - nearer * (slips - across) : seen - 2 * across;
 }
 
 /// What the wall particles of a pack of mirror images have from the liquid, a value per lane.
@@ -37,7 +42,7 @@ template <class Pairs>
 struct SphImages {
   static constexpr std::size_t W = Pairs::W;
   alignas(64) double x[W] = {}, y[W] = {}, z[W] = {};  // [m] from an image to its particle
-  alignas(64) double density[W], u[W], v[W], w[W], share[W];
+  alignas(64) double density[W], u[W], v[W], w[W], share[W], nearer[W];
 
   void put_way(std::size_t lane, const Vec3d& way) {
     x[lane] = way.x, y[lane] = way.y, z[lane] = way.z;
@@ -54,6 +59,7 @@ struct SphImages {
       const auto image =
           seen[part].at(load3<Real>(x + l, y + l, z + l), liquid, gravity, h, bodies);
       store(density + l, image.density), store(share + l, image.share);
+      store(nearer + l, image.nearer);
       store(u + l, image.velocity.x), store(v + l, image.velocity.y);
       store(w + l, image.velocity.z);
     }
@@ -109,9 +115,10 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
         auto& wall = columns.rows[at];
         wall.density = images.density[l], wall.pressure = core.liquid.pressure(wall.density);
         const Vec3d of_solid = solids.velocity(columns.label[row], row);
+        const double nearer = solids.is_wall(columns.label[row]) ? images.nearer[l] : 1;
         const auto at_wall = [&](Slip how) {
           return of_solid + images.share[l] * (sph_velocity_at_wall(images.velocity(l), of_solid,
-                                                                    images.way(l), how) -
+                                                                    images.way(l), nearer, how) -
                                                of_solid);
         };
         wall.move(at_wall(slip));

@@ -50,11 +50,18 @@ struct ArtificialViscosity {
   double longest_step(double) const { return INFINITY; }
 };
 
-/// Viscosity of the liquid: 4 nu m_b r.grad W/((rho_a + rho_b)(r^2 + (0.1 h)^2)) v_ab, plus an
-/// artificial viscosity if `alpha` is not 0.
-/// Source: E. Y. M. Lo, S. Shao, Appl. Ocean Res. 24 (2002) 275.
+/// Viscosity of the liquid: 4 (D + 2) nu m_b v_ab.r/((rho_a + rho_b)(r^2 + (0.1 h)^2)) grad W in D
+/// dimensions, plus an artificial viscosity if `alpha` is not 0. Forces act along r: angular
+/// momentum is conserved, a liquid that turns as a whole is not braked, and walls and free surfaces
+/// have the traction of the symmetric stress, 2 mu (grad v)_sym. The usual form with
+/// r.grad W v_ab (J. P. Morris et al.; Lo and Shao) has mu grad v there: the torque of a turning
+/// cylinder was a third too small, and a liquid with a free surface turned faster than its drum.
+/// Source: J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703; its traction at free surfaces: A.
+///         Colagrossi, M. Antuono, A. Souto-Iglesias, D. Le Touze, Phys. Rev. E 84 (2011) 026705
+///         (both recalled).
 /// Valid:  flows resolved by the spacing.
-/// Tests:  tests/sph/taylor_green.cpp, tests/sph/flows.cpp, tests/sph/stokes_sphere.cpp.
+/// Tests:  tests/sph/taylor_green.cpp, tests/sph/flows.cpp, tests/sph/stokes_sphere.cpp,
+///         tests/sph/turning.cpp.
 struct LaminarViscosity {
   double kinematic = 0;  // [m2/s]
   double alpha = 0.02;   // [-] of an additional ArtificialViscosity

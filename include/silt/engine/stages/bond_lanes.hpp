@@ -52,7 +52,8 @@ __attribute__((flatten)) void BondStage<Model, Domain, Arch>::gather(Engine& e,
     if (ahead) fetch(e, from + k + List::ahead);
     for_each_member<Real>(ends_of<damped>(e.particles, domain, from + k),
                           [&](auto c, const Real& column) {
-                            if constexpr (damped || !of_rates(c)) silt::store(b.ends[c] + k, column);
+                            if constexpr (damped || !of_rates(c))
+                              silt::store(b.ends[c] + k, column);
                           });
   }
 }

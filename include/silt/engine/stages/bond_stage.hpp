@@ -16,6 +16,7 @@
 #include <silt/core/threads.hpp>
 #include <silt/engine/contact/contact_energy.hpp>
 #include <silt/engine/lists/bond_list.hpp>
+#include <silt/engine/stages/ask_bond_on_lanes.hpp>
 #include <silt/engine/stages/turn_spheres.hpp>
 #include <silt/engine/stages/wall_bonds.hpp>
 #include <silt/parallel/comm.hpp>
@@ -29,6 +30,7 @@ class BondStage {
   using Real = typename Lanes<Arch>::Real;
   static constexpr std::size_t W = Lanes<Arch>::width;
   using List = BondList<Model, W>;
+  static_assert(bond_fits_lanes<Model, Arch>());
 
  public:
   using Bond = detail::Bond<Model>;
