@@ -231,6 +231,34 @@ TEST_CASE("SPH: liquid that has left the region, or of few particles, is warned 
   silt_test::has(said[0], "40 of 40 particles (100 %) have left SphSetup.region");
 }
 
+TEST_CASE("SPH: spheres in 2D, and bodies in a liquid whose volume drifts, are warned of") {
+  // Steel of 7 800 kg/m3 floats: a disc 1 m long displaces 22 kg, the sphere has 0.88 kg.
+  SphSetup flat = setup;
+  flat.spacing = 0.01, flat.region = {{0, 0, 0}, {0.4, 0, 0.4}}, flat.gravity = {0, 0, -9.81};
+  const auto said = [&flat](auto sph, double density) {
+    sph.fill([](const Vec3d& x) { return x.z < 0.2; });
+    Particles<Sphere> ball;
+    ball.add({.position = {0.2, 0, 0.1}, .radius = 0.03, .density = density});
+    const HertzMindlin::Material steel{
+        .youngs_modulus = 1e7, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.3};
+    Simulation sim{std::move(ball), Contacts<HertzMindlin>{steel}, std::move(sph)};
+    sim.gravity = flat.gravity;
+    for (const Vec3d& n : {Vec3d{1, 0, 0}, Vec3d{-1, 0, 0}, Vec3d{0, 0, 1}})
+      sim.add_wall(Plane{n.x < 0 ? Vec3d{0.4, 0, 0} : Vec3d{0, 0, 0}, n}, steel);
+    sim.run(1e-3);
+    return sim.fluid().warnings();
+  };
+  const Liquid slow{.density = 1000, .sound_speed = 20};
+  const auto both = said(Sph{slow, flat}, 7800),
+             one = said(Sph{slow, flat, RestoredVolume{}}, 7800);
+  REQUIRE(both.size() == 2);
+  silt_test::has(both[0], "one of radius 0.03 m has 0.882");
+  silt_test::has(both[1], "give the Sph a RestoredVolume");
+  CHECK(one.size() == 1);
+  // With the density of a disc, 3/(4 R) times as large.
+  CHECK(said(Sph{slow, flat, RestoredVolume{}}, 7800 * 25).empty());
+}
+
 TEST_CASE("SPH: sound that is too slow for what the scene has is refused at the first step") {
   const auto run = [](double height, double fastest) {
     SphSetup tall = setup;

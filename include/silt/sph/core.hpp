@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -101,8 +102,11 @@ struct SphCore {
   bool known = false;  // rates are those of the present state
   bool made = false;   // solids are in the columns
   [[no_unique_address]] Book book{};
-  DynArray<std::size_t> resolved{};  // particles that are bodies in the liquid
-  DynArray<ParticleId> body_ids{};   // of these
+  struct {
+    double radius = 0, mass = 0, of_disc = 0;  // [m], [kg]
+  } disc{};                                    // first sphere in 2D that has not the mass of a disc
+  DynArray<std::size_t> resolved{};            // particles that are bodies in the liquid
+  DynArray<ParticleId> body_ids{};             // of these
 
   void begin() {
     liquid.check(), setup.check(), viscosity.check(), diffusion.check(), shift.check(),
@@ -172,12 +176,23 @@ struct SphCore {
                 [&](std::size_t a, std::size_t b) { return of.id[a] < of.id[b]; });
     if constexpr (Grains::averaged)
       if (!grains.pick_small(of, setup, resolved)) made = false, renewed();
+    if (setup.dimensions == 2) look_for_discs(of);
     body_ids.clear();
     for (const std::size_t p : resolved) body_ids.push_back(of.id.empty() ? p : of.id[p]);
     if (solids.bodies.set(of, resolved, setup)) make_room_for_bodies();
     solids.walls.take_drives(time), on_walls.assign(solids.walls.walls(), {});
     exchange = sph_longest_exchange(*this, of);
     known = false;  // of the present positions, whatever was read in between
+  }
+  /// Spheres with a density that a substance has: a disc's mass takes a larger one.
+  void look_for_discs(const CoupledParticles& of) {
+    constexpr double densest = 25000;  // [kg/m3]
+    disc = {};
+    for (const std::size_t p : resolved) {
+      const double R = of.shape.radius[p], density = of.mass[p] / of.volume[p];
+      if (!of.shape.form.empty() || disc.mass > 0 || !(density < densest)) continue;
+      disc = {R, of.mass[p], density * std::numbers::pi * R * R};
+    }
   }
   /// Adds a share of the loads of the last step.
   void add_loads(double part, std::span<Vec3d> force, std::span<Vec3d> torque) {

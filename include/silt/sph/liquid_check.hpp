@@ -61,14 +61,27 @@ template <class Core>
 [[gnu::cold]] DynArray<std::string> sph_warnings(const Core& core) {
   constexpr double share = 0.05;  // [-] splashes lose less
   DynArray<std::string> out;
-  const auto all = static_cast<double>(core.next_number), left = static_cast<double>(core.left);
+  const std::size_t ever = core.next_number - core.displaced;
+  const auto all = static_cast<double>(ever), left = static_cast<double>(core.left);
   const Box& region = core.setup.region;
   if (left > share * all)
+    out.push_back(
+        sentence("the liquid: ", core.left, " of ", ever, " particles (", 100 * left / all,
+                 " %) have left SphSetup.region, from ", region.min, " to ", region.max,
+                 " m, and are lost; close the walls or enlarge the region; where liquid should "
+                 "leave, put an outlet (Sph::add_outlet)"));
+  if (core.disc.mass > 0)
     out.push_back(sentence(
-        "the liquid: ", core.left, " of ", core.next_number, " particles (", 100 * left / all,
-        " %) have left SphSetup.region, from ", region.min, " to ", region.max,
-        " m, and are lost; close the walls or enlarge the region; where liquid should "
-        "leave, put an outlet (Sph::add_outlet)"));
+        "the liquid: in 2D a sphere displaces what a disc does that is 1 m long, but has the mass "
+        "of a sphere: one of radius ",
+        core.disc.radius, " m has ", core.disc.mass, " kg, a disc of its density ",
+        core.disc.of_disc, " kg; use Polyhedron or MultiSphere bodies 1 m long, or a density of ",
+        "3/(4 radius [m]) times that of the disc"));
+  if (!Core::Volume::restores && !Core::Grains::averaged && !Core::Book::kept &&
+      !core.solids.bodies.empty())
+    out.push_back(sentence(
+        "the liquid: with bodies in it, its volume drifts where they stand on walls or hit it; "
+        "give the Sph a RestoredVolume (docs/sph.md, Volume)"));
   // Four a direction, the thinnest layer that the kernel resolves.
   const int few = core.setup.dimensions == 2 ? 16 : 64;
   if (all > 0 && all < few)

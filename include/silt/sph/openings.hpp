@@ -86,7 +86,9 @@ class SphOpenings {
   template <class Distance>
   void put_into(SphColumns& columns, const Vec3d& gravity, double density,
                 const Distance& from_walls) {
-    if (!filled_) fill(columns, gravity, density, from_walls), filled_ = true;
+    const double g = norm(gravity);
+    up_ = g > 0 ? (-1 / g) * gravity : Vec3d{0, 0, 1};
+    if (!filled_) fill(columns, density, from_walls), filled_ = true;
     const std::size_t n = columns.size();
     std::uint32_t slot = 0;
     for (std::size_t k = 0; k < n; ++k) {
@@ -162,9 +164,11 @@ class SphOpenings {
         require(number < SphColumns::of_openings, "Sph: more than ", SphColumns::of_openings,
                 " particles have been liquid");
         columns.label[k] = number++;
+        changed = true;
         SphRow behind = columns.rows[k];
+        if (is_above(one, behind.position())) continue;  // was thrown back into the buffer
         behind.place(behind.position() - depth() * one.normal);
-        columns.add(behind, ClusterLists::Liquid, label(o, 0)), changed = true;
+        columns.add(behind, ClusterLists::Liquid, label(o, 0));
       } else if (const std::size_t o = through(columns.rows[k].position(), 0); o < size()) {
         book(all_[o].books.out, columns.rows[k], mass);
         columns.label[k] = label(o, 0), changed = true;
@@ -231,12 +235,14 @@ class SphOpenings {
     });
     return yes;
   }
+  /// Whether a place is above the surface of what enters.
+  bool is_above(const One& one, const Vec3d& x) const {
+    return one.setup.surface && dot(x, up_) > *one.setup.surface;
+  }
   /// Initial particles: for an inlet all below its surface, for an outlet those with liquid
   /// directly in front.
   template <class Distance>
-  void fill(SphColumns& columns, const Vec3d& gravity, double density, const Distance& from_walls) {
-    const double g = norm(gravity);
-    const Vec3d up = g > 0 ? (-1 / g) * gravity : Vec3d{0, 0, 1};
+  void fill(SphColumns& columns, double density, const Distance& from_walls) {
     for (std::size_t o = 0; o < size(); ++o) {
       const One& one = all_[o];
       DynArray<char> wet(one.sites[0] * one.sites[1], one.inlet);
@@ -258,7 +264,7 @@ class SphOpenings {
                 " m there is a wall, or one nearer than half a spacing; keep the opening's "
                 "edges a whole number of spacings from walls, and its `into` on the free side");
         if (!wet[i * one.sites[1] + j]) return;
-        if (one.setup.surface && dot(face, up) > *one.setup.surface) return;
+        if (is_above(one, face)) return;
         SphRow r{};
         r.density = density;
         for (int layer = 0; layer < static_cast<int>(layers_); ++layer) {
@@ -306,6 +312,7 @@ class SphOpenings {
   DynArray<std::uint32_t> row_, probe_;
   double spacing_ = 0, layers_ = 0;
   Repeats repeats_{};
+  Vec3d up_{0, 0, 1};
   bool filled_ = false;
 };
 
