@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include <silt/module/charge/charge.hpp>
 #include <silt/shape/laguerre_cells.hpp>
 #include <silt/shape/polyhedron.hpp>
 
@@ -68,6 +69,41 @@ TEST_CASE("breakage as asked before the first step: of a polyhedron") {
   stones.add({.form = form, .position = {0, 0, 0}, .density = 2165, .velocity = {1, 2, 3}});
   const double m = 2165 * stone().mass_properties().volume;
   check_books(stones, m * 7);
+}
+
+TEST_CASE("breakage: fragments share what is of the whole grain, and have its temperature") {
+  // Catches charge that each of ten fragments has whole, and a temperature that is divided.
+  silt::Particles<silt::Sphere> grains;
+  grains.add({.position = {0, 0, 0}, .radius = 1e-3, .density = 2165});
+  silt::Simulation sim{
+      std::move(grains),
+      silt::Contacts<silt::HertzMindlin>{salt},
+      silt::Charge{.cutoff = 5e-3},
+      silt::Field<"moles">{.extensive = true},
+      silt::Field<"temperature [K]">{},
+      silt::Breakage{
+          silt::WeibullStrength{.scale = 1e-6, .at_diameter = 2e-3, .exponent = 2, .modulus = 9},
+          silt::EnergyEquivalence{},
+          silt::GaudinSchuhmann{.exponent = 1, .coarsest = 0.8},
+          silt::NoFatigue{},
+          {.dust_below = 0.5e-3}}};
+  sim.field<silt::ElectricCharge>(0) = 1e-12;
+  sim.field<"moles">(0) = 3, sim.field<"temperature [K]">(0) = 400;
+  const double m = sim.mass(0);
+  sim.time_step = 1e-7;
+  sim.break_particle(0);
+  sim.run(1e-7);
+  REQUIRE(sim.size() > 3);
+  double charge = 0, moles = 0, mass = 0;
+  for (std::size_t k = 0; k < sim.rows(); ++k) {
+    if (!sim.is_present(k)) continue;
+    charge += sim.field<silt::ElectricCharge>(k), moles += sim.field<"moles">(k);
+    mass += sim.mass(k);
+    CHECK(sim.field<"temperature [K]">(k) == 400);
+  }
+  CHECK(mass < 0.9999 * m);  // the rest is dust, with its share
+  CHECK(charge == near(1e-12 * mass / m).epsilon(1e-12));
+  CHECK(moles == near(3 * mass / m).epsilon(1e-12));
 }
 
 TEST_CASE("breakage as asked: ids that cannot be") {

@@ -84,6 +84,8 @@ struct WallGiven {
 ///   struct Fields { double seconds = 0; };               // numbers or vectors per particle
 ///   static constexpr std::array names{"seconds"};        // their names in files
 ///   Fields start(const Seen&) const;                     // of a new particle; default: Fields{}
+///   void divide(Fields&, double share) const;            // of a fragment: its share of the volume
+///                                                        // of what broke, whose fields it has
 ///   Vec3d force(const Seen&) const;                      // [N], or a Push with a torque;
 ///   Vec3d force(const Seen&, const Fields&) const;       // may use the fields
 ///   double rate(const Seen&[, const Fields&]) const;     // [1/s] of the fastest oscillation or
@@ -96,8 +98,10 @@ struct WallGiven {
 /// false` reduces this to one call. `update` is called after each step, when particles have moved:
 /// positions are those of the end of the step, velocities those of its middle (Leapfrog). Both are
 /// called by several threads, in any order, and may change only the Fields of their particle.
-/// Fields are double and Vec3d. They are stored in double precision, saved in checkpoints, sorted
-/// with the particles, and written to VTK and CSV.
+/// A fragment of a particle that breaks has its fields, as is right for a temperature; a module
+/// whose fields are of the whole particle, as a charge, has divide(). Fields are double and Vec3d.
+/// They are stored in double precision, saved in checkpoints, sorted with the particles, and
+/// written to VTK and CSV.
 ///
 /// A quantity such as heat or charge may flow between particles in contact. The module then has:
 ///
@@ -211,6 +215,10 @@ concept AsksForForceWithFields = requires(const M& m, const Seen& p, const Field
 };
 template <class M>
 concept Pushes = AsksForForce<M> || AsksForForceWithFields<M>;
+template <class M>
+concept DividesFields = has_fields<M> && requires(const M& m, FieldsOf<M>& f, double share) {
+  m.divide(f, share);
+};
 template <class M>
 concept Updates = requires(const M& m, const Seen& p, FieldsOf<M>& f, double dt) {
   m.update(p, f, dt);

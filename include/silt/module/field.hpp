@@ -29,11 +29,17 @@ struct Field {
   static_assert(std::is_same_v<T, double> || std::is_same_v<T, Vec3d>,
                 "Field<Name, T>: T must be double or silt::Vec3d");
   T initial{};  // of each new particle
+  /// Of the whole particle, as a charge: a fragment has its share by volume. Otherwise a fragment
+  /// has the value of the grain that broke, as a temperature.
+  bool extensive = false;
   struct Fields {
     T value;
   };
   static constexpr std::array<std::string_view, 1> names{Name.view()};
   Fields start(const Seen&) const { return {initial}; }
+  void divide(Fields& f, double share) const {
+    if (extensive) f.value *= share;
+  }
 };
 
 }  // namespace silt

@@ -18,7 +18,7 @@ namespace silt::inline SILT_TARGET::detail {
 struct NamesOfModules {
   int force, rate, start, update, flux, at_wall, exchanged, at_contact, given_by_wall,
       share_of_loss, worn, pair_force, pair_force_on_both, pair_flux, pair_stiffness, pair_slope,
-      reach, gap_reach, check;
+      reach, gap_reach, check, divide;
 };
 template <class M>
 struct BesideNames : M, NamesOfModules {};
@@ -27,6 +27,7 @@ struct MembersNamed {
   static constexpr bool force = !requires { &BesideNames<M>::force; };
   static constexpr bool rate = !requires { &BesideNames<M>::rate; };
   static constexpr bool start = !requires { &BesideNames<M>::start; };
+  static constexpr bool divide = !requires { &BesideNames<M>::divide; };
   static constexpr bool update = !requires { &BesideNames<M>::update; };
   static constexpr bool flux = !requires { &BesideNames<M>::flux; };
   static constexpr bool at_wall = !requires { &BesideNames<M>::at_wall; };
@@ -50,6 +51,7 @@ struct MembersNamed<M> {
   static constexpr bool force = requires { &M::force; };
   static constexpr bool rate = requires { &M::rate; };
   static constexpr bool start = requires { &M::start; };
+  static constexpr bool divide = requires { &M::divide; };
   static constexpr bool update = requires { &M::update; };
   static constexpr bool flux = requires { &M::flux; };
   static constexpr bool at_wall = requires { &M::at_wall; };
@@ -178,6 +180,9 @@ struct ModuleFits : PairsFit<M> {
                 "silt/module/concept.hpp");
   static_assert(!Named::start || !has_fields<M> || StartsFields<M>,
                 "a module's start() does not fit: it must be `Fields start(const silt::Seen&) "
+                "const`, and public: silt/module/concept.hpp");
+  static_assert(!Named::divide || !has_fields<M> || DividesFields<M>,
+                "a module's divide() does not fit: it must be `void divide(Fields&, double share) "
                 "const`, and public: silt/module/concept.hpp");
   static_assert(!Named::update || Updates<M> || UpdatesByFlux<M>,
                 "a module's update() does not fit: it must be `void update(const silt::Seen&, "

@@ -189,6 +189,7 @@ void BreakAccess<Sim>::take_place(const DynArray<Parent>& parents, const Particl
   for (const Parent& p : parents)
     for (std::size_t n = 0; n < p.fragments && p.place != nowhere; ++n, ++k) {
       copy_row(e.modules(), p.place, k);
+      s.modules_.divide(e.modules(), k, e.volume_of(k) / e.volume_of(p.place));
       ++e.modules().template of<typename Sim::Composition::Breaking>()[k].generation;
       if constexpr (Sim::Fluid::active) {
         auto& displaced = e.fluid_loads().displaced;

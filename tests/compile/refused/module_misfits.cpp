@@ -2,6 +2,7 @@
 // refused: a module's force() does not fit
 // refused: a module's rate() does not fit
 // refused: a module's start() does not fit
+// refused: a module's divide() does not fit
 // refused: a module's update() does not fit
 // refused: a module has one update()
 // refused: a module's update() takes its Fields by value or as const
@@ -38,6 +39,9 @@ struct Rated : Level {
 };
 struct Started : Level {
   RIGHT_OR_WRONG(Fields, double) start(const silt::Seen&) const { return {}; }
+};
+struct Divided : Level {
+  void divide(Fields&, double) RIGHT_OR_WRONG(const, ) {}
 };
 struct Updated : Level {
   void update(const silt::Seen&, Fields&, double) RIGHT_OR_WRONG(const, ) {}
@@ -88,9 +92,10 @@ struct Counted {
 
 template <class M>
 using With = silt::Simulation<silt::Particles<silt::Sphere>, silt::Contacts<silt::HertzMindlin>, M>;
-inline const bool all =
-    With<PushedByFields>::rotates && With<Pushed>::rotates && With<Rated>::rotates &&
-    With<Started>::rotates && With<Updated>::rotates && With<UpdatedTwice>::rotates &&
-    With<UpdatesACopy>::rotates && With<FlowsByVector>::rotates && With<FlowsNowhere>::rotates &&
-    With<FlowsByReference>::rotates && With<FlowsAtWalls>::rotates && With<Counted>::rotates;
+inline const bool all = With<PushedByFields>::rotates && With<Pushed>::rotates &&
+                        With<Rated>::rotates && With<Started>::rotates && With<Divided>::rotates &&
+                        With<Updated>::rotates && With<UpdatedTwice>::rotates &&
+                        With<UpdatesACopy>::rotates && With<FlowsByVector>::rotates &&
+                        With<FlowsNowhere>::rotates && With<FlowsByReference>::rotates &&
+                        With<FlowsAtWalls>::rotates && With<Counted>::rotates;
 #undef RIGHT_OR_WRONG

@@ -47,6 +47,15 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
     (start_one<Ms>(columns, p, k), ...);
   }
 
+  /// The new particle k has the fields of one that has broken, and this share of its volume.
+  template <class Columns>
+  void divide(Columns& columns, std::size_t k, double share) const {
+    const auto one = [&]<class M>(std::type_identity<M>) {
+      if constexpr (DividesFields<M>) get<M>().divide(columns.template of<M>()[k], share);
+    };
+    (one(std::type_identity<Ms>{}), ...);
+  }
+
   /// Called before a run.
   template <class Sim>
   void check([[maybe_unused]] const Sim& sim) const {

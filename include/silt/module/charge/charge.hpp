@@ -71,6 +71,7 @@ struct Charge {
   static constexpr bool needs_velocity = false;
 
   Fields start(const Seen&) const { return {start_charge}; }
+  void divide(Fields& f, double share) const { f.charge *= share; }
   /// Coulomb's factor [N m2/C2].
   double factor() const { return 1 / (4 * std::numbers::pi * eps0 * permittivity); }
 
