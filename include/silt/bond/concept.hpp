@@ -44,6 +44,9 @@ struct BondAnswer {
 /// like load(), which finds with less work the lanes that certainly hold; load() is then called
 /// only for the others. `bool has_dashpots() const`, if it returns false: velocities are not read,
 /// rates of strains are not computed, and the rate_force and rate_couple of an answer count as 0.
+///
+/// Optional, for bonds to walls: `static constexpr double share_at_wall`, the share of the length,
+/// from the particle, where the bond is sheared and bent; default 1, at the wall.
 template <class M>
 concept BondModel = requires(const M& model, const BondedPair& pair, const BondStrain<double>& s,
                              const Vec3d& n, const typename M::template Numbers<double>& p) {
@@ -53,6 +56,16 @@ concept BondModel = requires(const M& model, const BondedPair& pair, const BondS
   { model.energy(s, p) } -> std::convertible_to<double>;
   model.stiffest(p);
 };
+
+namespace detail {
+template <BondModel M>
+constexpr double bent_at_wall() {
+  if constexpr (requires { double(M::share_at_wall); })
+    return M::share_at_wall;
+  else
+    return 1;
+}
+}  // namespace detail
 
 /// Largest stiffnesses and dashpots of a bond, for the time step.
 struct BondStiffness {

@@ -46,6 +46,7 @@ struct ParallelBond {
   double damping = 0.1;  // [-] >= 0, ratio to critical damping
   double weibull_modulus =
       0;  // [-] scatter of both strengths by one Weibull factor of mean 1; 0: none
+  static constexpr double share_at_wall = 0.5;  // a rod bends in its middle
   static constexpr std::array names{
       "Young's modulus [Pa]", "k_n/k_s [-]",          "radius ratio [-]",  "tensile strength [Pa]",
       "shear strength [Pa]",  "friction angle [rad]", "damping ratio [-]", "Weibull modulus [-]"};

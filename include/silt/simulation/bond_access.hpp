@@ -111,9 +111,10 @@ class BondAccess {
     const Quaternion turned = conjugate(wall.pose.rotation);
     auto& stage = sim().bonds_;
     if (!S::has_ranks || e.find(id) < e.owners()) {
-      stage.add(typename std::remove_cvref_t<decltype(stage.at_walls)>::Bond{
+      using AtWalls = std::remove_cvref_t<decltype(stage.at_walls)>;
+      stage.add(typename AtWalls::Bond{
           id, w, wall.pose.to_body(place),
-          BondRest<double>::of(rotate(turned, d), 1, turned * p.orientation),
+          BondRest<double>::of(rotate(turned, d), AtWalls::bent_at, turned * p.orientation),
           numbers_of({r, r, norm(d), p.mass, Sim::ShapeType::inertia_factor() * p.mass * r * r,
                       share_of(id, no_particle - w)},
                      [&] { return text("particle ", id, " to ", sim().wall_name(w)); }),

@@ -39,21 +39,21 @@ BondSeen see_bond(const Model& model, const BondStrain<double>& strain,
   return out;
 }
 
-/// Bonds between particles and walls. There are few, so they are computed one by one. The bond's
-/// midpoint is at the wall.
+/// Bonds between particles and walls. There are few, so they are computed one by one.
 template <class Model>
 class WallBonds {
  public:
   struct Bond {
     ParticleId i;
     std::size_t wall;
-    Vec3d place;            // [m] on the wall, in its coordinates
-    BondRest<double> rest;  // share = 1
+    Vec3d place;  // [m] on the wall, in its coordinates
+    BondRest<double> rest;
     typename Model::template Numbers<double> numbers;
     std::uint64_t number;
     bool excludes;  // the bond excludes the contact
   };
   DynArray<Bond> all;
+  static constexpr double bent_at = bent_at_wall<Model>();  // [-] BondRest::share
 
   /// Removes the bonds of particles that have left and of walls that were removed.
   template <class Engine>
