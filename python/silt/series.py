@@ -103,8 +103,8 @@ class Series:
 
 
 def step_in(name: str) -> Optional[int]:
-    """The step that the name of a file has: 'particles_000001200.vtp' -> 1200."""
-    found = re.search(r"_(\d+)(?:_r\d+)?\.[a-z]+$", os.path.basename(name))
+    """The step that the name of a file has: 'particles_000001200.vtp' -> 1200, 'w10.vtp' -> 10."""
+    found = re.search(r"(\d+)(?:_r\d+)?\.[a-z]+$", os.path.basename(name))
     return int(found[1]) if found else None
 
 

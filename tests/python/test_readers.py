@@ -73,6 +73,14 @@ class Particles(Refuses, unittest.TestCase):
             self.assertEqual(values[0], 1)
             self.assertTrue(math.isnan(values[1]))
 
+    def test_a_pattern_is_in_the_order_of_steps_not_of_letters(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for step in (1, 2, 10, 11):
+                write_vtp(os.path.join(folder, f"w{step}.vtp"), np.full((1, 3), float(step)), {
+                    "id": np.array([1], np.uint64)})
+            series = silt.open(os.path.join(folder, "w*.vtp"))
+            self.assertEqual(series.steps, [1, 2, 10, 11])
+
     def test_series_are_lazy_and_sliced(self):
         with tempfile.TemporaryDirectory() as folder:
             shutil.copytree(path("grains"), folder, dirs_exist_ok=True)

@@ -149,7 +149,8 @@ TEST_CASE("SPH: a fill that finds no place says which of its inputs leaves none"
   const auto filled = [](const SphSetup& of, auto... walls) {
     return [=] {
       Sph sph{water, of};
-      (sph.add_wall(walls, {.name = "floor"}), ...);
+      int k = 0;
+      (sph.add_wall(walls, {.name = "side " + std::to_string(k++)}), ...);
       sph.fill([](const Vec3d&) { return true; });
     };
   };
@@ -161,10 +162,10 @@ TEST_CASE("SPH: a fill that finds no place says which of its inputs leaves none"
       "Sph::fill: there is no place for liquid: inside(x) is false at all 400 places of the "
       "lattice, from (0.005, 0, 0.005) to (0.195, 0, 0.195) m with a spacing of 0.01 m");
   refuses<InputError>(filled(setup, Plane{{0, 0, 0}, {0, 0, -1}}),
-                      "all 400 places where inside(x) is true are behind wall 'floor'; the normal "
+                      "all 400 places where inside(x) is true are behind wall 'side 0'; the normal "
                       "of a wall points to the liquid");
   refuses<InputError>(filled(setup, Plane{{0, 0, -1}, {0, 0, 1}}, Plane{{0, 0, 1}, {0, 0, 1}}),
-                      "behind wall 'floor'");
+                      "behind wall 'side 1'");
   // Each place is behind one of two walls, and none behind both.
   refuses<InputError>(filled(setup, Plane{{0, 0, 0.15}, {0, 0, 1}}, Plane{{0, 0, 0.05}, {0, 0, -1}},
                              Plane{{0.1, 0, 0}, {1, 0, 0}}, Plane{{0.1, 0, 0}, {-1, 0, 0}}),
@@ -229,6 +230,14 @@ TEST_CASE("SPH: liquid that has left the region, or of few particles, is warned 
   sim.run(0.08, watch);
   REQUIRE(said.size() == 1);
   silt_test::has(said[0], "40 of 40 particles (100 %) have left SphSetup.region");
+}
+
+TEST_CASE("SPH: two walls of one name are refused") {
+  Sph sph{water, setup};
+  sph.add_wall(Plane{{0, 0, 0}, {0, 0, 1}}, {.name = "floor"});
+  sph.add_wall(Plane{{0, 0, 0}, {1, 0, 0}}), sph.add_wall(Plane{{1, 0, 0}, {-1, 0, 0}});
+  CHECK_THROWS_WITH_AS(sph.add_wall(Plane{{0, 0, 1}, {0, 0, -1}}, {.name = "floor"}),
+                       doctest::Contains("there is a wall 'floor' already"), InputError);
 }
 
 TEST_CASE("SPH: spheres in 2D, and bodies in a liquid whose volume drifts, are warned of") {

@@ -40,6 +40,9 @@ class WallParticles {
     require(setup.drive.index() == 0, "Sph: wall ", part.called(number),
             " has a drive, which needs a Simulation; add the wall to a Simulation that "
             "has the Sph as its fluid, or give it a motion");
+    for (const Part& other : walls_)
+      require(setup.name.empty() || other.name != setup.name, "Sph: there is a wall '", setup.name,
+              "' already; give each wall a name of its own, or none");
     part.check(number);
     setup.surface_velocity.check();
     part.move_to(0, 1, number);
