@@ -215,6 +215,13 @@ TEST_CASE("bonds: what cannot be bonded is refused, and steps that are too long"
   refused([&] { sim.bond_to_wall(2, "floor", {0, 0, -1}); }, "particle 2 is fixed");
   refused([&] { sim.bond_to_wall(0, "floor", {0, 0, 0}); }, "is the centre of particle 0");
   refused([&] { sim.bond_to_wall(0, "floor", {0, NAN, 0}); }, "must be finite");
+  {
+    auto twice = scene();
+    twice.add(p);
+    twice.add_wall(silt::Plane{{0, 0, -1}, {0, 0, 1}}, glass, {.name = "floor"});
+    twice.bond_to_wall(0, "floor", {0, 0, -1});
+    refused([&] { twice.bond_to_wall(0, "floor", {0, 0, -1}); }, "at (0, 0, -1) m already");
+  }
   CHECK(sim.bonds() == 1);
   // The chosen step resolves the bonds; a bond that is too stiff for a step is named.
   sim.set_velocity(0, {0.01, 0, 0});

@@ -222,6 +222,7 @@ inline BondedSpheres placed(BondedSpheres all, const Vec3d& shift, const Quatern
 /// exist, a pair that is bonded twice, or two bonded spheres at one place.
 template <class Sim>
 ParticleId add_bonded(Sim& sim, const BondedSpheres& all) {
+  static_assert(Sim::has_bonds, "give the simulation silt::Bonds{model} among its policies");
   detail::check_new_bonds(sim, all);
   Particles<Sphere> more;
   for (const auto& p : all.spheres) more.add(p);

@@ -83,8 +83,8 @@ class BondAccess {
   /// Bonds a particle to a wall, given by number or name, at the wall's point `place` [m], which
   /// moves with the wall. The bond is as long as the distance to that point; its radius follows
   /// from the particle's alone. The contact with the wall stays active in addition, unless it is
-  /// excluded. InputError: no such particle or wall, the particle is fixed, or `place` is its
-  /// centre.
+  /// excluded. InputError: no such particle or wall, the particle is fixed, `place` is its centre,
+  /// or it is bonded there already.
   template <class S = Sim>
   void bond_to_wall(ParticleId id, const WhichWall& which, const Vec3d& place,
                     WallContact contact = WallContact::Acts) requires(S::has_bonds) {
@@ -110,6 +110,10 @@ class BondAccess {
     const double r = p.radius;
     const Quaternion turned = conjugate(wall.pose.rotation);
     auto& stage = sim().bonds_;
+    for (const auto& b : stage.at_walls.all)
+      require(b.i != id || b.wall != w || !(b.place == wall.pose.to_body(place)),
+              "Simulation::bond_to_wall: particle ", id, " is bonded to ", sim().wall_name(w),
+              " at ", place, " m already");
     if (!S::has_ranks || e.find(id) < e.owners()) {
       using AtWalls = std::remove_cvref_t<decltype(stage.at_walls)>;
       stage.add(typename AtWalls::Bond{

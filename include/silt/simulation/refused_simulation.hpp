@@ -15,13 +15,13 @@ namespace detail {
 /// A class of its own, so that the compiler names the policy.
 template <class P, bool belongs>
 struct PolicyOfAnAxis {
-  static_assert(
-      belongs,
-      "a policy given to Simulation belongs to no axis (the lines about PolicyOfAnAxis "
-      "name its type): it must be Particles, Contacts, a NeighbourSearch, a domain, a "
-      "FluidCoupling, a precision, an Integrator, a rotation, KernelsFor, EnergyLedger, "
-      "ContactEvents or a Module; the contracts are in silt/contact/, search/, boundary/, "
-      "coupling/, motion/, module/ concept.hpp");
+  static_assert(belongs,
+                "a policy given to Simulation belongs to no axis (the lines about PolicyOfAnAxis "
+                "name its type): it must be Particles, Contacts, a NeighbourSearch, a domain, a "
+                "FluidCoupling, a precision, an Integrator, a rotation, KernelsFor, EnergyLedger, "
+                "ContactEvents, Bonds{model}, Breakage or a Module; the contracts are in "
+                "silt/contact/, search/, boundary/, "
+                "coupling/, motion/, module/ concept.hpp");
   static constexpr bool checked = true;
 };
 /// A flow that is not coupled with particles, as FlowSolver.
