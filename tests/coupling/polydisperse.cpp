@@ -110,7 +110,7 @@ double ergun(double d) {
 
 TEST_CASE(
     "Polydisperse: together the sizes feel the drag of the Sauter mean, at any void fraction") {
-  // Catches Re of the particle's own diameter (up to 3 % off) and the factor of model B, 1.09 times
+  // Catches Re of the particle's own diameter and the factor of model B, 1.09 times
   // the drag at eps = 0.4 and 1.19 times at 0.8. 1e-12: powers of Re.
   for (const double eps : {0.4, 0.8})
     for (const double slip : {1e-4, 3.0}) {

@@ -50,13 +50,15 @@ struct ArtificialViscosity {
   double longest_step(double) const { return INFINITY; }
 };
 
-/// Viscosity of the liquid: 4 (D + 2) nu m_b v_ab.r/((rho_a + rho_b)(r^2 + (0.1 h)^2)) grad W in D
-/// dimensions, plus an artificial viscosity if `alpha` is not 0. Forces act along r: angular
-/// momentum is conserved, a liquid that turns as a whole is not braked, and walls and free surfaces
-/// have the traction of the symmetric stress, 2 mu (grad v)_sym. The usual form with
-/// r.grad W v_ab (J. P. Morris et al.; Lo and Shao) has mu grad v there: the torque of a turning
-/// cylinder was a third too small, and a liquid with a free surface turned faster than its drum.
-/// Source: J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703; its traction at free surfaces: A.
+/// Viscosity of the liquid: 4 nu (D/s^2) m_b v_ab.r/(rho_a + rho_b) grad W in D dimensions, where
+/// s^2 = int r^2 W dV is the second moment of the kernel, plus an artificial viscosity if `alpha`
+/// is not 0. Forces act along r: angular momentum is conserved, a liquid that turns as a whole is
+/// not braked, and walls and free surfaces have the traction of the symmetric stress, 2 mu (grad
+/// v)_sym. The usual form with r.grad W v_ab/(r^2 + (0.1 h)^2) (Lo and Shao 2002) has mu grad v
+/// there: the torque of a turning cylinder was a third too small, and a liquid with a free surface
+/// turned faster than its drum. Monaghan's form has v_ab.r/(r^2 + (0.1 h)^2) grad W, with 4 (D + 2)
+/// nu; without the division the viscosity depends less on the lattice (docs/sph.md). Source: silt's
+/// own, after J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703; traction at free surfaces: A.
 ///         Colagrossi, M. Antuono, A. Souto-Iglesias, D. Le Touze, Phys. Rev. E 84 (2011) 026705
 ///         (both recalled).
 /// Valid:  flows resolved by the spacing.
