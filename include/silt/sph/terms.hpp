@@ -57,10 +57,11 @@ struct ArtificialViscosity {
 /// v)_sym. The usual form with r.grad W v_ab/(r^2 + (0.1 h)^2) (Lo and Shao 2002) has mu grad v
 /// there: the torque of a turning cylinder was a third too small, and a liquid with a free surface
 /// turned faster than its drum. Monaghan's form has v_ab.r/(r^2 + (0.1 h)^2) grad W, with 4 (D + 2)
-/// nu; without the division the viscosity depends less on the lattice (docs/sph.md). Source: silt's
-/// own, after J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703; traction at free surfaces: A.
-///         Colagrossi, M. Antuono, A. Souto-Iglesias, D. Le Touze, Phys. Rev. E 84 (2011) 026705
-///         (both recalled).
+/// nu; without the division the viscosity depends less on the lattice (docs/sph.md).
+///
+/// Source: silt's own, after J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703; traction at free
+///         surfaces: A. Colagrossi, M. Antuono, A. Souto-Iglesias, D. Le Touze, Phys. Rev. E 84
+///         (2011) 026705 (both recalled).
 /// Valid:  flows resolved by the spacing.
 /// Tests:  tests/sph/taylor_green.cpp, tests/sph/flows.cpp, tests/sph/stokes_sphere.cpp,
 ///         tests/sph/turning.cpp.
