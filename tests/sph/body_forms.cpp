@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -42,12 +43,21 @@ TEST_CASE("SPH bodies: a brick of whole spacings is a lattice, mirrored at its f
   const BodySites of = form.lay(lattice(0.1), 1);
   CHECK(of.sites.size() == 10 * 8 * 6);  // the kernel reaches 3.5 spacings: to the middle
   CHECK(of.share == near(1).epsilon(1e-9));
+  int faces = 0;  // particles that are far from edges
   for (const auto& site : of.sites) {
     const Vec3d in{std::abs(site.at.x), std::abs(site.at.y), std::abs(site.at.z)};
-    const double depth = std::min({0.5 - in.x, 0.4 - in.y, 0.3 - in.z});
-    CHECK(near_relative(norm(site.ghost - site.at), 2 * depth, 1e-9));
+    std::array<double, 3> depths{0.5 - in.x, 0.4 - in.y, 0.3 - in.z};
+    std::sort(depths.begin(), depths.end());
+    const double way = norm(site.ghost - site.at), reach = 1.3 * lattice(0.1).h();
+    if (depths[1] > depths[0] + reach && in.z > reach) {
+      ++faces;
+      CHECK(near_relative(way, 2 * depths[0], 1e-9));
+    }
+    CHECK(way >= 2 * depths[0] * (1 - 1e-9));
+    CHECK(way <= 3.6 * depths[0]);
     CHECK_FALSE(form.contains(site.ghost));
   }
+  CHECK(faces == 16);
   // Twice as large: the same as with half the spacing.
   const BodySites twice = form.lay(lattice(0.2), 2);
   CHECK(twice.sites.size() == of.sites.size());

@@ -15,6 +15,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/quaternion.hpp>
 #include <silt/shape/surface_mesh.hpp>
+#include <silt/sph/edge_image.hpp>
 #include <silt/sph/face_exit.hpp>
 #include <silt/sph/setup.hpp>
 
@@ -76,8 +77,10 @@ class LiquidForm {
           if (!(d < -1e-9 * s)) continue;
           ++inside, deepest = std::max(deepest, -d);
           const Way way = to_surface(x, 1e-9 * s);
-          const Vec3d out = way.end - x;
           if (way.length > deep) continue;
+          const auto past = way_out_at_edge(x, -d, setup.h() / scale, flat,
+                                            [&](const Vec3d& at) { return nearest(at).distance; });
+          const Vec3d out = past ? *past : way.end - x;
           require(!flat || std::abs(out.y) < 1e-6 * s,
                   "Sph: in 2D, where forces are those of 1 m, a body must be a prism along y and "
                   "1 m long; one is ",

@@ -77,11 +77,6 @@ template <class Core>
         core.disc.radius, " m has ", core.disc.mass, " kg, a disc of its density ",
         core.disc.of_disc, " kg; use Polyhedron or MultiSphere bodies 1 m long, or a density of ",
         "3/(4 radius [m]) times that of the disc"));
-  if (!Core::Volume::restores && !Core::Grains::averaged && !Core::Book::kept &&
-      !core.solids.bodies.empty())
-    out.push_back(sentence(
-        "the liquid: with bodies in it, its volume drifts where they stand on walls or hit it; "
-        "give the Sph a RestoredVolume (docs/sph.md, Volume)"));
   // Four a direction, the thinnest layer that the kernel resolves.
   const int few = core.setup.dimensions == 2 ? 16 : 64;
   if (all > 0 && all < few)

@@ -16,6 +16,7 @@
 #include <silt/core/dyn_array.hpp>
 #include <silt/core/error.hpp>
 #include <silt/sph/driven_walls.hpp>
+#include <silt/sph/edge_image.hpp>
 #include <silt/sph/face_exit.hpp>
 #include <silt/sph/lattice_sites.hpp>
 #include <silt/sph/setup.hpp>
@@ -220,8 +221,10 @@ class WallParticles {
       const bool at_rest = rest.distance < enough;
       const Nearest& least = at_rest ? rest : all;
       if (!(least.distance < enough) || least.distance < -thick) return;
-      const Vec3d surface = to_surface(x, enough, at_rest ? Which::AtRest : Which::All);
+      const Which which = at_rest ? Which::AtRest : Which::All;
+      Vec3d surface = to_surface(x, enough, which);
       if (norm(x - surface) > thick || hold(x)) return;
+      if (const auto past = way_past_edge(x, least, which, setup)) surface = x + *past;
       const Part& wall = walls_[least.wall];
       const Vec3d out = surface - x;  // towards the liquid
       const bool flat = std::holds_alternative<Plane>(wall.surfaces[wall.nearest_surface(x)]);
@@ -390,6 +393,16 @@ class WallParticles {
       x += way_out_of(deepest, x);
     }
     return x;
+  }
+  /// Of walls only meshes have convex edges.
+  std::optional<Vec3d> way_past_edge(const Vec3d& x, const Nearest& deepest, Which which,
+                                     const SphSetup& setup) const {
+    const Part& wall = walls_[deepest.wall];
+    if (!(deepest.distance < 0) || !std::holds_alternative<std::shared_ptr<const TriangleMesh>>(
+                                       wall.surfaces[wall.nearest_surface(x)]))
+      return std::nullopt;
+    return way_out_at_edge(x, -deepest.distance, setup.h(), setup.dimensions == 2,
+                           [&](const Vec3d& at) { return nearest(at, which).distance; });
   }
   Vec3d way_out_of(const Nearest& deepest, const Vec3d& x) const {
     const Part& wall = walls_[deepest.wall];
