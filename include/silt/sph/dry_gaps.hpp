@@ -11,6 +11,8 @@
 #include <utility>
 
 #include <silt/core/dyn_array.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/position_row.hpp>
 #include <silt/core/quaternion.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/core/vec3.hpp>
@@ -34,6 +36,11 @@ namespace silt::inline SILT_TARGET::detail {
 /// kernel's reach of the body's surface along that wall, closer than 2 h to the wall, extrapolated
 /// by rho g, and not below 0. The wall gets -f_k at the same point.
 ///
+/// Sound is left out of p_k - rho g.x by a low pass with the time that sound takes to the surface
+/// and back twice, 4 (h + p/(rho g))/c. A gap that opens takes no volume from the liquid, so that
+/// sound would drive a body that leaves its floor: blocks of 1.1 and 2 times water's density hopped
+/// on the floor for ever, at the column's resonance, with 1 cm/s.
+///
 /// Source: silt's own.
 /// Valid:  gaps between bodies and walls; not between bodies. No suction: p_k >= 0.
 /// Tests:  tests/sph/body_on_floor.cpp.
@@ -46,6 +53,31 @@ class DryGaps {
     Vec3d force{0, 0, 0};
   };
   std::span<const Push> pushes() const { return pushes_; }
+  /// For a state: time, then three numbers per body and wall.
+  DynArray<double> state() const {
+    DynArray<double> all{then_};
+    for (const Level& l : levels_)
+      all.insert(all.end(), {static_cast<double>(l.body), static_cast<double>(l.wall), l.pressure});
+    return all;
+  }
+  void restore(std::span<const double> of) {
+    require(of.size() % 3 == 1, "Sph: a state has ", of.size(), " numbers of gaps");
+    then_ = of[0], levels_.clear();
+    for (std::size_t k = 1; k < of.size(); k += 3)
+      levels_.push_back(
+          {static_cast<std::size_t>(of[k]), static_cast<std::size_t>(of[k + 1]), of[k + 2]});
+  }
+  /// Ids of the bodies before and now, both in ascending order.
+  void renumber(std::span<const ParticleId> before, std::span<const ParticleId> now) {
+    DynArray<Level> kept;
+    for (Level l : levels_) {
+      const auto at = std::lower_bound(now.begin(), now.end(), before[l.body]);
+      if (at == now.end() || *at != before[l.body]) continue;
+      l.body = static_cast<std::size_t>(at - now.begin());
+      kept.push_back(l);
+    }
+    levels_.swap(kept);
+  }
 
   /// Finds the forces for the present densities and lists.
   template <class Core>
@@ -60,10 +92,11 @@ class DryGaps {
     }
     look_at_walls(core, team);
     look_at_liquid(core, team);
+    find_levels(core, team);
     std::array<DynArray<Push>, Team::most_ranges> parts;
     const std::size_t groups = groups_.size() - 1;
     team.for_ranges(groups, 4, [&](std::size_t range, std::size_t from, std::size_t to) {
-      for (std::size_t b = from; b < to; ++b) push(core, groups_[b], groups_[b + 1], parts[range]);
+      for (std::size_t b = from; b < to; ++b) push(core, b, parts[range]);
     });
     for (const auto& part : parts) pushes_.insert(pushes_.end(), part.begin(), part.end());
   }
@@ -197,36 +230,86 @@ class DryGaps {
       }
     });
   }
+  /// Pressure minus rho g.x of the liquid around each body, wall by wall, at rest: sound is left
+  /// out.
+  template <class Core>
+  void find_levels(const Core& core, const Team& team) {
+    const double reach = 2 * core.setup.h(), least = 0.1;
+    struct Around {
+      double weight = 0, level = 0, surface = 0;
+    };
+    DynArray<std::map<std::size_t, Around>> around(groups_.size() - 1);
+    const Vec3d rho_g = core.liquid.density * core.weight();
+    team.for_ranges(around.size(), 4, [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t b = from; b < to; ++b)
+        for (std::size_t n = groups_[b]; n < groups_[b + 1]; ++n) {
+          const Site& site = sites_[n];
+          if (!(site.gap < reach)) continue;
+          Around& to_wall = around[b][site.wall];
+          to_wall.weight += site.weight, to_wall.level += site.level;
+          to_wall.surface += site.weight * dot(rho_g, site.surface);
+        }
+    });
+    const double span = core.now - then_, c = core.liquid.sound_speed;
+    DynArray<Level> before;
+    before.swap(levels_), first_level_.clear();
+    for (std::size_t b = 0; b < around.size(); ++b) {
+      first_level_.push_back(levels_.size());
+      const std::size_t body = core.solids.bodies.body_of(sites_[groups_[b]].point);
+      for (const auto& [wall, of] : around[b]) {
+        if (!(of.weight > least)) continue;
+        Level level{body, wall, of.level / of.weight};
+        const auto old = std::lower_bound(before.begin(), before.end(), level);
+        if (old != before.end() && !(level < *old)) {
+          const double deep = std::max((of.level + of.surface) / of.weight, 0.0),
+                       weight = norm(rho_g),
+                       time = 4 * (core.setup.h() + (weight > 0 ? deep / weight : 0)) / c;
+          level.pressure = old->pressure + (level.pressure - old->pressure) * span / (time + span);
+        }
+        levels_.push_back(level);
+      }
+    }
+    first_level_.push_back(levels_.size()), then_ = core.now;
+  }
   /// Forces on one body, wall by wall.
   template <class Core>
-  void push(const Core& core, std::size_t first, std::size_t last, DynArray<Push>& out) const {
+  void push(const Core& core, std::size_t group, DynArray<Push>& out) const {
     const double s = core.setup.spacing, V = core.setup.volume();
     const Vec3d rho_g = core.liquid.density * core.weight();
     const double reach = 2 * core.setup.h();
-    std::map<std::size_t, std::pair<double, double>> around;  // by wall: weight, level
-    for (std::size_t n = first; n < last; ++n)
-      if (sites_[n].gap < reach)
-        around[sites_[n].wall].first += sites_[n].weight,
-            around[sites_[n].wall].second += sites_[n].level;
-    for (std::size_t n = first; n < last; ++n) {
+    const std::span levels(levels_.data() + first_level_[group],
+                           first_level_[group + 1] - first_level_[group]);
+    for (std::size_t n = groups_[group]; n < groups_[group + 1]; ++n) {
       const Site& site = sites_[n];
       if (!(site.gap < reach)) continue;
-      const auto [weight, level] = around[site.wall];
-      if (!(weight > 0.1)) continue;
+      const auto level = std::find_if(levels.begin(), levels.end(),
+                                      [&](const Level& l) { return l.wall == site.wall; });
+      if (level == levels.end()) continue;
       const Vec3d all = -1.0 * core.solids.bodies.turned(site.point, own_[site.point]);
       const double whole = dot(all, all);
       if (!(whole * reach * reach > 4e-3)) continue;
       const double wet = dot(site.slope, all) / whole,
                    share = std::clamp(5 * (0.9 - wet), 0.0, 1.0) *
                            std::clamp(2.5 - site.gap / s, 0.0, 1.0);
-      const double p = level / weight + dot(rho_g, site.surface);
+      const double p = level->pressure + dot(rho_g, site.surface);
       if (!(share > 0 && p > 0)) continue;
       const double volume = V * core.solids.bodies.share(site.point);
       out.push_back({site.point, site.wall, -2 * share * volume * p * (all - site.slope)});
     }
   }
 
-  std::uint64_t made_ = 0, listed_ = 0;  // versions of the points and of the lists
+  struct Level {
+    std::size_t body;
+    std::size_t wall;
+    double pressure;  // [Pa] minus rho g.x
+    bool operator<(const Level& o) const {
+      return body < o.body || (body == o.body && wall < o.wall);
+    }
+  };
+  DynArray<Level> levels_;                // body by body
+  DynArray<std::size_t> first_level_{0};  // of each group of sites, and the end
+  double then_ = 0;                       // [s] of these
+  std::uint64_t made_ = 0, listed_ = 0;   // versions of the points and of the lists
   DynArray<Vec3d> own_;   // [1/m] sum of V grad W over a body's own particles, in its frame
   DynArray<Site> sites_;  // body by body
   DynArray<std::size_t> groups_{0};  // first site of each body, and the end

@@ -55,6 +55,8 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   visit("fluid.rows", rows), visit("fluid.labels", labels), visit("fluid.built", built);
   DynArray<double> openings_of = c.openings.state();
   if (!c.openings.empty()) visit("fluid.openings", openings_of);
+  DynArray<double> gaps = c.gaps.state();
+  visit("fluid.gaps", gaps);
   visit("fluid.walls", solid), visit("fluid.poses", poses);
   visit("fluid.bodies", kinds), visit("fluid.points", points),
       visit("fluid.numbers", std::span<double>(numbers));
@@ -114,7 +116,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   c.last_step = numbers[5];
   c.most.pair = numbers[6], c.stale = numbers[7] != 0, c.made = numbers[8] != 0, c.known = false;
   c.exchange = numbers[9] > 0 ? numbers[9] : INFINITY;  // 0: no free body
-  bodies.restore(kinds, points);
+  bodies.restore(kinds, points), c.gaps.restore(gaps);
   if (c.made) c.solids.walls.restore(solid, poses);
   // Packs of another processor are sorted anew.
   if (numbers[10] != static_cast<double>(c.lists.width)) c.stale = true;

@@ -47,8 +47,9 @@ struct SphWallReading {
       if (core.solids.has_row(k))
         parts.push_back({solid.wall_of(k), solid.place(k),
                          core.solids.force_on(k, core.columns, core.particle_mass())});
-    core.gaps.find(core, team);
-    for (const auto& push : core.gaps.pushes())
+    auto gaps = core.gaps;  // the core's follow the steps
+    gaps.find(core, team);
+    for (const auto& push : gaps.pushes())
       parts.push_back({push.wall, core.solids.bodies.place(push.point), -1.0 * push.force});
     if (open && !Core::Walls::mirrored) sph_solid_rates(core, team);  // as they were
   }
