@@ -110,10 +110,9 @@ TEST_CASE("SPH: water around a block on the floor stays calm and keeps its level
   }
 }
 
-// Legs 10 particles wide around a block of 10 by 10. The period of a column of the length l is 2 pi
-// sqrt(l/(2 g)), with l = 0.9 m along the middle and 0.01 m more for the two bends by potential
-// flow (recalled). With images at the nearest face the walls gave 1.3 J/m in half a period, of 1.57
-// J/m, and the level rose by 2.4 mm.
+// Legs 10 particles wide around a block of 10. The period is that of a straight column of 0.8113 m
+// by potential flow (utube_length.py). With images at the nearest face the walls gave 1.3 J/m in
+// half a period, of 1.57 J/m, and the level rose by 2.4 mm.
 TEST_CASE("SPH: water in a U-tube with sharp bends gets no energy from its walls") {
   const double w = 0.1, s = 0.01, L = 0.3, energy = 1000 * g * w * 0.04 * 0.04;
   Sph water{
@@ -133,9 +132,9 @@ TEST_CASE("SPH: water in a U-tube with sharp bends gets no energy from its walls
     });
     return std::pair{left, right};
   };
-  const double quarter = std::numbers::pi / 2 * std::sqrt(0.91 / (2 * g));
+  const double quarter = std::numbers::pi / 2 * std::sqrt(0.8113 / (2 * g));
   water.run(quarter);
-  CHECK(std::abs(levels().first - levels().second) < 0.006);  // 0.08 sin(0.08): 5 % of the time
+  CHECK(std::abs(levels().first - levels().second) < 0.006);  // 5 % of the time
   water.run(quarter);
   const auto [left, right] = levels();
   CHECK(right - left > 0.05);
