@@ -65,8 +65,8 @@ double off(const std::vector<double>& z, double rest, const std::array<double, 1
 // Linear potential theory of the same tank (heave_linear.py), z [mm] every 0.05 s. The scene is
 // not linear in all, as the disc's sides are not upright and the level is 5 % of the depth off.
 // What the tests would catch: a body without added mass is back after 0.63 s; a kernel that makes
-// the lattice stiff (smoothing = 1.0 in 2D: docs/sph.md) ends at -12.6 and 10.4 mm (disc), -12.1
-// and 12.7 mm (box).
+// the lattice stiff (smoothing = 1.0 in 2D: docs/sph_method.md) ends at -12.6 and 10.4 mm (disc),
+// -12.1 and 12.7 mm (box).
 TEST_CASE("SPH: a floating disc that is let go heaves as potential theory says") {
   const std::array<double, 19> linear{20,     18.15,  13,    5.61,  -2.54, -9.89, -15.14,
                                       -17.47, -16.69, -13.2, -7.85, -1.71, 4.10,  8.68,

@@ -76,7 +76,8 @@ TEST_CASE("SPH: Taylor-Green vortices decay as they must, from scattered particl
 }
 
 TEST_CASE("SPH: Taylor-Green vortices from a lattice, and with shifting by the local speed") {
-  // From a lattice half of the energy is lost: the sentence of docs/sph.md. By the local speed 6 %.
+  // From a lattice half of the energy is lost: the sentence of docs/sph_method.md. By the local
+  // speed 6 %.
   const double lattice = vortices(40, Shifting{}, 0).energy,
                fastest = vortices(40, ShiftingByFastest{}, 0).energy,
                local = vortices(40, Shifting{}, 0.2).energy;

@@ -57,7 +57,7 @@ struct ArtificialViscosity {
 /// v)_sym. The usual form with r.grad W v_ab/(r^2 + (0.1 h)^2) (Lo and Shao 2002) has mu grad v
 /// there: the torque of a turning cylinder was a third too small, and a liquid with a free surface
 /// turned faster than its drum. Monaghan's form has v_ab.r/(r^2 + (0.1 h)^2) grad W, with 4 (D + 2)
-/// nu; without the division the viscosity depends less on the lattice (docs/sph.md).
+/// nu; without the division the viscosity depends less on the lattice (docs/sph_method.md).
 ///
 /// Source: silt's own, after J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703; traction at free
 ///         surfaces: A. Colagrossi, M. Antuono, A. Souto-Iglesias, D. Le Touze, Phys. Rev. E 84
@@ -248,7 +248,7 @@ struct ResolvedGrains {
 /// `restart` steps over one. The difference between odd and even steps grows in between, because
 /// damping acts on it with the wrong sign: by diffusion alone as e^(7 delta c t/h), 7 = 2 int
 /// |W'|/r dV h^2 of WendlandC2, which is e^(7 delta courant restart) between two restarts.
-/// DualSPHysics restarts after 40 steps, which is too many here (docs/sph.md).
+/// DualSPHysics restarts after 40 steps, which is too many here (docs/sph_method.md).
 /// Source: L. Verlet, Phys. Rev. 159 (1967) 98, as in DualSPHysics but for `restart`.
 /// Valid:  `courant` up to 0.2, restart * courant up to 1.5, and some damping: not Inviscid with
 ///         NoDiffusion.
