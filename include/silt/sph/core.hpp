@@ -177,10 +177,9 @@ struct SphCore {
     if constexpr (Grains::averaged)
       if (!grains.pick_small(of, setup, resolved)) made = false, renewed();
     if (setup.dimensions == 2) look_for_discs(of);
-    DynArray<ParticleId> ids;
-    for (const std::size_t p : resolved) ids.push_back(of.id.empty() ? p : of.id[p]);
-    if (ids != body_ids && !body_ids.empty()) gaps.renumber(body_ids, ids);
-    body_ids.swap(ids);
+    body_ids.clear();
+    for (const std::size_t p : resolved) body_ids.push_back(of.id.empty() ? p : of.id[p]);
+    gaps.find_bodies(body_ids);
     if (solids.bodies.set(of, resolved, setup)) make_room_for_bodies();
     solids.walls.take_drives(time), on_walls.assign(solids.walls.walls(), {});
     exchange = sph_longest_exchange(*this, of);

@@ -53,27 +53,29 @@ class DryGaps {
     Vec3d force{0, 0, 0};
   };
   std::span<const Push> pushes() const { return pushes_; }
-  /// For a state: time, then three numbers per body and wall.
+  /// For a state: time, then five numbers per body and wall.
   DynArray<double> state() const {
     DynArray<double> all{then_};
     for (const Level& l : levels_)
-      all.insert(all.end(), {static_cast<double>(l.body), static_cast<double>(l.wall), l.pressure});
+      all.insert(all.end(), {static_cast<double>(l.id >> 32), static_cast<double>(l.id & low_bits),
+                             static_cast<double>(l.body), static_cast<double>(l.wall), l.pressure});
     return all;
   }
   void restore(std::span<const double> of) {
-    require(of.size() % 3 == 1, "Sph: a state has ", of.size(), " numbers of gaps");
+    require(of.size() % 5 == 1, "Sph: a state has ", of.size(), " numbers of gaps");
     then_ = of[0], levels_.clear();
-    for (std::size_t k = 1; k < of.size(); k += 3)
+    const auto whole = [](double x) { return static_cast<std::uint64_t>(x); };
+    for (std::size_t k = 1; k < of.size(); k += 5)
       levels_.push_back(
-          {static_cast<std::size_t>(of[k]), static_cast<std::size_t>(of[k + 1]), of[k + 2]});
+          {whole(of[k]) << 32 | whole(of[k + 1]), whole(of[k + 2]), whole(of[k + 3]), of[k + 4]});
   }
-  /// Ids of the bodies before and now, both in ascending order.
-  void renumber(std::span<const ParticleId> before, std::span<const ParticleId> now) {
+  /// The present bodies by their ids, in ascending order: bodies may have come or gone.
+  void find_bodies(std::span<const ParticleId> ids) {
     DynArray<Level> kept;
     for (Level l : levels_) {
-      const auto at = std::lower_bound(now.begin(), now.end(), before[l.body]);
-      if (at == now.end() || *at != before[l.body]) continue;
-      l.body = static_cast<std::size_t>(at - now.begin());
+      const auto at = std::lower_bound(ids.begin(), ids.end(), l.id);
+      if (at == ids.end() || *at != l.id) continue;
+      l.body = static_cast<std::size_t>(at - ids.begin());
       kept.push_back(l);
     }
     levels_.swap(kept);
@@ -256,9 +258,11 @@ class DryGaps {
     for (std::size_t b = 0; b < around.size(); ++b) {
       first_level_.push_back(levels_.size());
       const std::size_t body = core.solids.bodies.body_of(sites_[groups_[b]].point);
+      // Unknown only to a reading of a state just loaded, which keeps no level.
+      const ParticleId id = body < core.body_ids.size() ? core.body_ids[body] : ParticleId{};
       for (const auto& [wall, of] : around[b]) {
         if (!(of.weight > least)) continue;
-        Level level{body, wall, of.level / of.weight};
+        Level level{id, body, wall, of.level / of.weight};
         const auto old = std::lower_bound(before.begin(), before.end(), level);
         if (old != before.end() && !(level < *old)) {
           const double deep = std::max((of.level + of.surface) / of.weight, 0.0),
@@ -299,13 +303,14 @@ class DryGaps {
   }
 
   struct Level {
-    std::size_t body;
-    std::size_t wall;
+    ParticleId id;
+    std::size_t body, wall;
     double pressure;  // [Pa] minus rho g.x
     bool operator<(const Level& o) const {
       return body < o.body || (body == o.body && wall < o.wall);
     }
   };
+  static constexpr std::uint64_t low_bits = 0xffffffff;
   DynArray<Level> levels_;                // body by body
   DynArray<std::size_t> first_level_{0};  // of each group of sites, and the end
   double then_ = 0;                       // [s] of these
