@@ -26,9 +26,11 @@ struct BodySite {
   Vec3d at, ghost;
 };
 
-/// Particles of a body, each with the same `share` [-] of a particle's volume.
+/// Particles of a body, each with the same `share` [-] of a particle's volume. `under` [m]: places
+/// that the lattice has below them, within the support of their kernels; they are no particles.
 struct BodySites {
   DynArray<BodySite> sites;
+  DynArray<Vec3d> under;
   double share = 1;
 };
 
@@ -77,7 +79,11 @@ class LiquidForm {
           if (!(d < -1e-9 * s)) continue;
           ++inside, deepest = std::max(deepest, -d);
           const Way way = to_surface(x, 1e-9 * s);
-          if (way.length > deep) continue;
+          if (way.length > 2 * deep) continue;
+          if (way.length > deep) {
+            of.under.push_back(scale * x);
+            continue;
+          }
           const auto past = way_out_at_edge(x, -d, setup.h() / scale, flat,
                                             [&](const Vec3d& at) { return nearest(at).distance; });
           const Vec3d out = past ? *past : way.end - x;

@@ -51,6 +51,21 @@ class BodyPoints {
   const Vec3d& own_ghost(std::size_t k) const { return points_[k].ghost; }
   Vec3d place(std::size_t k) const { return in_space(points_[k].body, points_[k].at); }
   Vec3d ghost(std::size_t k) const { return in_space(points_[k].body, points_[k].ghost); }
+  /// Calls visit(place, share) for places below the points of a body, in its frame, that are within
+  /// the support of their kernels: what a body that has points to the support's depth lacks inside.
+  template <class Visit>
+  void for_each_under(std::size_t body, const SphSetup& setup, const Visit& visit) const {
+    const Body& b = bodies[body];
+    if (b.form == sphere)
+      return for_each_shell(b.radius, setup, [&](double r) {
+        if (!(r > b.radius - 2 * setup.h()))
+          for_each_in_shell(r, setup, [&](const Vec3d& at) { visit(at, 1.0); });
+      });
+    if (b.form >= forms_.size() || !forms_[b.form])
+      return;  // a state whose forms are not known yet
+    const BodySites& laid = laid_for(b, setup);
+    for (const Vec3d& at : laid.under) visit(at, laid.share);
+  }
   /// A direction of the body's frame, transformed to space.
   Vec3d turned(std::size_t k, const Vec3d& own) const {
     const Body& b = bodies[points_[k].body];
@@ -198,14 +213,17 @@ class BodyPoints {
       if (body.form == sphere) {
         require(R >= 1.5 * s, "Sph: a sphere of radius ", R, " m is too small for a spacing of ", s,
                 " m; it must be at least 1.5 spacings: use a spacing of at most ", R / 1.5, " m");
-        for (double r = R - 0.5 * s; r > 0.25 * s && r > R - 2 * setup.h(); r -= s)
-          add_shell(b, r, (2 * R - r) / r, setup);
+        for_each_shell(R, setup, [&](double r) {
+          if (r > R - 2 * setup.h())
+            for_each_in_shell(r, setup, [&](const Vec3d& at) {
+              points_.push_back({at, (2 * R - r) / r * at, 1, b});
+            });
+        });
         continue;
       }
-      const auto [laid, is_new] = laid_.try_emplace(std::pair{body.form, R});
-      if (is_new) laid->second = forms_[body.form]->lay(setup, R / forms_[body.form]->radius());
-      for (const BodySite& site : laid->second.sites)
-        points_.push_back({site.at, site.ghost, laid->second.share, b});
+      const BodySites& laid = laid_for(body, setup);
+      for (const BodySite& site : laid.sites)
+        points_.push_back({site.at, site.ghost, laid.share, b});
     }
     find_begin();
   }
@@ -214,14 +232,26 @@ class BodyPoints {
     for (const Point& p : points_) ++begin_[p.body + 1];
     for (std::size_t b = 0; b < bodies.size(); ++b) begin_[b + 1] += begin_[b];
   }
-  void add_shell(std::uint32_t body, double r, double up, const SphSetup& setup) {
+  const BodySites& laid_for(const Body& body, const SphSetup& setup) const {
+    const auto [laid, is_new] = laid_.try_emplace(std::pair{body.form, body.radius});
+    const LiquidForm& form = *forms_[body.form];
+    if (is_new) laid->second = form.lay(setup, body.radius / form.radius());
+    return laid->second;
+  }
+  /// Radii [m] of a sphere's shells, to the depth of two supports of the kernel.
+  template <class Visit>
+  static void for_each_shell(double R, const SphSetup& setup, const Visit& visit) {
+    const double s = setup.spacing;
+    for (double r = R - 0.5 * s; r > 0.25 * s && r > R - 4 * setup.h(); r -= s) visit(r);
+  }
+  template <class Visit>
+  static void for_each_in_shell(double r, const SphSetup& setup, const Visit& visit) {
     const double s = setup.spacing, pi = std::numbers::pi;
-    const auto add = [&](const Vec3d& at) { points_.push_back({at, up * at, 1, body}); };
     if (setup.dimensions == 2) {  // a cylinder's ring
       const int n = std::max(3, static_cast<int>(std::lround(2 * pi * r / s)));
       for (int k = 0; k < n; ++k) {
         const double angle = 2 * pi * (k + 0.5) / n;
-        add({r * std::cos(angle), 0, r * std::sin(angle)});
+        visit(Vec3d{r * std::cos(angle), 0, r * std::sin(angle)});
       }
       return;
     }
@@ -230,13 +260,13 @@ class BodyPoints {
     const double golden = pi * (3 - std::sqrt(5.0));
     for (int k = 0; k < n; ++k) {
       const double z = 1 - (2 * k + 1.0) / n, across = std::sqrt(1 - z * z), angle = golden * k;
-      add({r * across * std::cos(angle), r * across * std::sin(angle), r * z});
+      visit(Vec3d{r * across * std::cos(angle), r * across * std::sin(angle), r * z});
     }
   }
 
-  DynArray<std::optional<LiquidForm>> forms_;                   // of bodies; none: a sphere
-  std::map<std::pair<std::uint32_t, double>, BodySites> laid_;  // by form and radius
-  DynArray<Point> points_;                                      // body by body
+  DynArray<std::optional<LiquidForm>> forms_;                           // of bodies; none: a sphere
+  mutable std::map<std::pair<std::uint32_t, double>, BodySites> laid_;  // by form and radius
+  DynArray<Point> points_;                                              // body by body
   DynArray<std::size_t> begin_{0};
   std::uint64_t version_ = 1;
 };

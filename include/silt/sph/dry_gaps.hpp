@@ -19,6 +19,7 @@
 #include <silt/sph/body_points.hpp>
 #include <silt/sph/cluster_lists.hpp>
 #include <silt/sph/seen.hpp>
+#include <silt/sph/surface_slope.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -27,14 +28,18 @@ namespace silt::inline SILT_TARGET::detail {
 /// side is dry. Floors and bodies are taken as rough: liquid fills the gap with the hydrostatic
 /// pressure of its surroundings:
 ///
-///   f_k = -2 V_k p_k M_k,  M_k = -sum_own V grad W - sum_liquid V grad W
+///   f_k = -2 V_k (p_w B_k + p_k s_k (M_k - B_k)),  M_k = -sum_own V grad W - sum_liquid V grad W
 ///
 /// M_k is the missing part of the kernel gradient at the particle k of a body, compared with liquid
-/// on all sides; the latter is the opposite of the sum over the body's own particles. With the
-/// whole M_k the sum over the body is its buoyancy; where there is liquid, the pair sums include
-/// its part. p_k is the pressure at the surface in front of k: the mean over the liquid within the
-/// kernel's reach of the body's surface along that wall, closer than 2 h to the wall, extrapolated
-/// by rho g, and not below 0. The wall gets -f_k at the same point.
+/// on all sides; the latter is the opposite of the sum over the body. B_k is the part of it that
+/// the wall takes, that of a half-space: no particle of the body meets those of the wall. The rest
+/// is a gap without liquid. It counts fully (s_k = 1) where 0.3 of the gradient is missing, and
+/// not at all where a tenth is, as around any body in a liquid. With B_k alone left out at the
+/// lowest particles of a block's sides, which are in liquid, the block lacked 13 % of its buoyancy.
+///
+/// p_w is the pressure at the wall in front of k, p_k that at the surface of the body: the mean
+/// over the liquid within the kernel's reach of the body's surface along that wall, closer than 2 h
+/// to the wall, extrapolated by rho g, and not below 0. The wall gets -f_k at the same point.
 ///
 /// Sound is left out of p_k - rho g.x by a low pass with the time that sound takes to the surface
 /// and back twice, 4 (h + p/(rho g))/c. A gap that opens takes no volume from the liquid, so that
@@ -53,19 +58,30 @@ class DryGaps {
     Vec3d force{0, 0, 0};
   };
   std::span<const Push> pushes() const { return pushes_; }
-  /// For a state: time, then five numbers per body and wall.
-  DynArray<double> state() const {
-    DynArray<double> all{then_};
+  /// For a state: time, number of points, three numbers per point, then five per body and wall. The
+  /// sums over a body's own particles are not found anew: a state that was just loaded does not
+  /// know the forms of its bodies.
+  DynArray<double> state(const BodyPoints& points) const {
+    const bool summed = summed_ == points.version();
+    DynArray<double> all{then_, summed ? static_cast<double>(own_.size()) : 0};
+    if (summed)
+      for (const Vec3d& m : own_) all.insert(all.end(), {m.x, m.y, m.z});
     for (const Level& l : levels_)
       all.insert(all.end(), {static_cast<double>(l.id >> 32), static_cast<double>(l.id & low_bits),
                              static_cast<double>(l.body), static_cast<double>(l.wall), l.pressure});
     return all;
   }
-  void restore(std::span<const double> of) {
-    require(of.size() % 5 == 1, "Sph: a state has ", of.size(), " numbers of gaps");
-    then_ = of[0], levels_.clear();
+  void restore(std::span<const double> of, const BodyPoints& points) {
     const auto whole = [](double x) { return static_cast<std::uint64_t>(x); };
-    for (std::size_t k = 1; k < of.size(); k += 5)
+    const bool summed = of.size() > 1 && of[1] != 0;
+    const std::size_t from = summed ? 2 + 3 * points.size() : 2;
+    require(of.size() >= from && (of.size() - from) % 5 == 0 &&
+                (!summed || of[1] == static_cast<double>(points.size())),
+            "Sph: a state has ", of.size(), " numbers of gaps for ", points.size(), " points");
+    then_ = of[0], levels_.clear(), own_.clear();
+    for (std::size_t k = 2; k < from; k += 3) own_.push_back({of[k], of[k + 1], of[k + 2]});
+    summed_ = summed ? points.version() : 0;
+    for (std::size_t k = from; k < of.size(); k += 5)
       levels_.push_back(
           {whole(of[k]) << 32 | whole(of[k + 1]), whole(of[k + 2]), whole(of[k + 3]), of[k + 4]});
   }
@@ -88,7 +104,8 @@ class DryGaps {
     const BodyPoints& of = core.solids.bodies;
     if (of.empty() || core.solids.walls.walls() == 0) return;
     if (made_ != of.version() || listed_ != core.lists.version()) {
-      if (made_ != of.version()) find_own(of, core.setup);
+      if (summed_ != of.version()) find_own(of, core.setup);
+      if (made_ == 0) half_space_ = SphHalfSpace<Kernel>(core.setup.dimensions);
       find_sites(core, team);
       made_ = of.version(), listed_ = core.lists.version();
     }
@@ -109,6 +126,7 @@ class DryGaps {
     std::size_t point, wall = 0;
     double gap = 0;          // [m]
     Vec3d surface{0, 0, 0};  // [m]
+    Vec3d normal{0, 0, 0};   // [-] of the wall, towards the body
     Vec3d slope{0, 0, 0};    // [1/m] sum of V grad W over the liquid
     double weight = 0;       // [-] of V W
     double level = 0;        // [Pa] of V W (P - rho g.x)
@@ -116,24 +134,41 @@ class DryGaps {
   struct Seat {
     std::size_t row, site;
   };
-  /// For each kind of body: its points are in the same order.
+  /// For each kind of body: its points are in the same order. They reach as deep as the liquid's
+  /// kernels do; the sums need those below too. Without them blocks 8 spacings high lost up to
+  /// 1.2 times their buoyancy.
   void find_own(const BodyPoints& of, const SphSetup& setup) {
-    own_.assign(of.size(), {0, 0, 0});
+    own_.assign(of.size(), {0, 0, 0}), summed_ = of.version();
     const double h = setup.h(), a = Kernel::normalisation(setup.dimensions, h) / (h * h),
                  V = setup.volume();
+    struct Place {
+      Vec3d at;
+      double volume;
+    };
+    DynArray<Place> parts;
     std::map<std::pair<std::uint32_t, double>, std::size_t> known;
     for (std::size_t from = 0, to = 0; from < of.size(); from = to) {
       const auto& body = of.bodies[of.body_of(from)];
       while (to < of.size() && of.body_of(to) == of.body_of(from)) ++to;
       const auto [same, is_new] = known.try_emplace({body.form, body.radius}, from);
+      if (!is_new) {
+        std::copy_n(own_.begin() + same->second, to - from, own_.begin() + from);
+        continue;
+      }
+      parts.clear();
+      for (std::size_t k = from; k < to; ++k) parts.push_back({of.own_place(k), V * of.share(k)});
+      of.for_each_under(of.body_of(from), setup, [&](const Vec3d& at, double share) {
+        parts.push_back({at, V * share});
+      });
+      std::sort(parts.begin(), parts.end(),
+                [](const Place& one, const Place& other) { return one.at.x < other.at.x; });
       for (std::size_t k = from; k < to; ++k) {
-        if (!is_new) {
-          own_[k] = own_[same->second + k - from];
-          continue;
-        }
-        for (std::size_t b = from; b < to; ++b) {
-          const Vec3d r = of.own_place(k) - of.own_place(b);
-          own_[k] += a * V * of.share(b) * Kernel::slope(norm(r) / h) * r;
+        const Vec3d x = of.own_place(k);
+        auto part = std::lower_bound(parts.begin(), parts.end(), x.x - 2 * h,
+                                     [](const Place& p, double least) { return p.at.x < least; });
+        for (; part != parts.end() && part->at.x < x.x + 2 * h; ++part) {
+          const Vec3d r = x - part->at;
+          own_[k] += a * part->volume * Kernel::slope(norm(r) / h) * r;
         }
       }
     }
@@ -201,7 +236,7 @@ class DryGaps {
       for (std::size_t n = from; n < to; ++n) {
         const Vec3d x = surface(core.solids.bodies, sites_[n].point);
         const auto wall = core.solids.walls.nearest(x);
-        sites_[n] = {sites_[n].point, wall.wall, wall.distance, x};
+        sites_[n] = {sites_[n].point, wall.wall, wall.distance, x, wall.normal};
       }
     });
   }
@@ -280,7 +315,7 @@ class DryGaps {
   void push(const Core& core, std::size_t group, DynArray<Push>& out) const {
     const double s = core.setup.spacing, V = core.setup.volume();
     const Vec3d rho_g = core.liquid.density * core.weight();
-    const double reach = 2 * core.setup.h();
+    const double h = core.setup.h(), reach = 2 * h;
     const std::span levels(levels_.data() + first_level_[group],
                            first_level_[group + 1] - first_level_[group]);
     for (std::size_t n = groups_[group]; n < groups_[group + 1]; ++n) {
@@ -289,16 +324,25 @@ class DryGaps {
       const auto level = std::find_if(levels.begin(), levels.end(),
                                       [&](const Level& l) { return l.wall == site.wall; });
       if (level == levels.end()) continue;
-      const Vec3d all = -1.0 * core.solids.bodies.turned(site.point, own_[site.point]);
+      const BodyPoints& of = core.solids.bodies;
+      const double volume = V * of.share(site.point);
+      const auto add = [&](const Vec3d& missing, const Vec3d& at) {
+        const double p = level->pressure + dot(rho_g, at);
+        if (p > 0) out.push_back({site.point, site.wall, -2 * volume * p * missing});
+      };
+      // What the wall takes, with the pressure at its surface.
+      const Vec3d place = of.place(site.point);
+      const double away = site.gap + dot(place - site.surface, site.normal);
+      const Vec3d behind = -half_space_(away / h) / h * site.normal;
+      if (away < reach) add(behind, place - away * site.normal);
+      // What is empty in between.
+      const Vec3d all = -1.0 * of.turned(site.point, own_[site.point]);
       const double whole = dot(all, all);
       if (!(whole * reach * reach > 4e-3)) continue;
-      const double wet = dot(site.slope, all) / whole,
+      const double wet = dot(site.slope + behind, all) / whole,
                    share = std::clamp(5 * (0.9 - wet), 0.0, 1.0) *
                            std::clamp(2.5 - site.gap / s, 0.0, 1.0);
-      const double p = level->pressure + dot(rho_g, site.surface);
-      if (!(share > 0 && p > 0)) continue;
-      const double volume = V * core.solids.bodies.share(site.point);
-      out.push_back({site.point, site.wall, -2 * share * volume * p * (all - site.slope)});
+      if (share > 0) add(share * (all - site.slope - behind), site.surface);
     }
   }
 
@@ -311,12 +355,13 @@ class DryGaps {
     }
   };
   static constexpr std::uint64_t low_bits = 0xffffffff;
-  DynArray<Level> levels_;                // body by body
-  DynArray<std::size_t> first_level_{0};  // of each group of sites, and the end
-  double then_ = 0;                       // [s] of these
-  std::uint64_t made_ = 0, listed_ = 0;   // versions of the points and of the lists
-  DynArray<Vec3d> own_;   // [1/m] sum of V grad W over a body's own particles, in its frame
-  DynArray<Site> sites_;  // body by body
+  DynArray<Level> levels_;                            // body by body
+  DynArray<std::size_t> first_level_{0};              // of each group of sites, and the end
+  double then_ = 0;                                   // [s] of these
+  std::uint64_t made_ = 0, summed_ = 0, listed_ = 0;  // versions of the points and of the lists
+  DynArray<Vec3d> own_;  // [1/m] sum of V grad W over a body's own particles, in its frame
+  SphHalfSpace<Kernel> half_space_;
+  DynArray<Site> sites_;             // body by body
   DynArray<std::size_t> groups_{0};  // first site of each body, and the end
   DynArray<Seat> seats_;             // of those that have a row, in its order
   DynArray<std::size_t> packs_{0};   // first seat of each pack, and the end

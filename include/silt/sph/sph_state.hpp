@@ -55,7 +55,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   visit("fluid.rows", rows), visit("fluid.labels", labels), visit("fluid.built", built);
   DynArray<double> openings_of = c.openings.state();
   if (!c.openings.empty()) visit("fluid.openings", openings_of);
-  DynArray<double> gaps = c.gaps.state();
+  DynArray<double> gaps = c.gaps.state(bodies);
   visit("fluid.gaps", gaps);
   visit("fluid.walls", solid), visit("fluid.poses", poses);
   visit("fluid.bodies", kinds), visit("fluid.points", points),
@@ -116,7 +116,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   c.last_step = numbers[5];
   c.most.pair = numbers[6], c.stale = numbers[7] != 0, c.made = numbers[8] != 0, c.known = false;
   c.exchange = numbers[9] > 0 ? numbers[9] : INFINITY;  // 0: no free body
-  bodies.restore(kinds, points), c.gaps.restore(gaps);
+  bodies.restore(kinds, points), c.gaps.restore(gaps, bodies);
   if (c.made) c.solids.walls.restore(solid, poses);
   // Packs of another processor are sorted anew.
   if (numbers[10] != static_cast<double>(c.lists.width)) c.stale = true;

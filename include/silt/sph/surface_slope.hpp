@@ -11,6 +11,41 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
+/// h times the integral of W over a plane at y h (2D: a line), by Simpson's rule.
+template <class Kernel>
+double sph_of_plane(double y, int dimensions) {
+  constexpr int n = 64;
+  const double half = std::sqrt(std::max(4 - y * y, 0.0)), step = half / n;
+  double sum = 0;
+  for (int k = 0; k <= n; ++k) {
+    const double x = k * step, w = Kernel::weight(std::sqrt(y * y + x * x));
+    const double around = dimensions == 2 ? 2 : 2 * std::numbers::pi * x;
+    sum += (k == 0 || k == n ? 1 : k % 2 == 1 ? 4 : 2) * around * w;
+  }
+  return sum * step / 3 * Kernel::normalisation(dimensions, 1);
+}
+
+/// Share of a half-space beyond a plane in the kernel's gradient: h |integral of grad W| = h p(y),
+/// at the distance y h from the plane.
+template <class Kernel>
+class SphHalfSpace {
+ public:
+  SphHalfSpace() = default;
+  explicit SphHalfSpace(int dimensions) {
+    for (std::size_t k = 0; k < points; ++k)
+      slope_[k] = sph_of_plane<Kernel>(2.0 * static_cast<double>(k) / (points - 1), dimensions);
+  }
+  double operator()(double y) const {
+    const double place = std::min(0.5 * std::abs(y) * (points - 1), points - 1.0);
+    const auto k = std::min(static_cast<std::size_t>(place), points - 2);
+    return slope_[k] + (slope_[k + 1] - slope_[k]) * (place - static_cast<double>(k));
+  }
+
+ private:
+  static constexpr std::size_t points = 65;
+  std::array<double, points> slope_{};
+};
+
 /// Gradient of C = sum V W due to a flat free surface, h |grad C|, as a function of the fullness of
 /// the kernel, -sum V r.grad W/D. Shifting subtracts it from grad C: the rest is due to disorder.
 /// Without it all particles near a surface are shifted outwards, and the liquid rises.
@@ -27,7 +62,7 @@ class SphSurfaceSlope {
     double beyond = 0, before = 0, full = 1, slope = 0;
     std::size_t at = 0;
     for (std::size_t k = 1; k <= n; ++k) {
-      const double y = 2 - static_cast<double>(k) * step, p = of_plane(y, dimensions);
+      const double y = 2 - static_cast<double>(k) * step, p = sph_of_plane<Kernel>(y, dimensions);
       beyond += 0.5 * step * (p + before), before = p;
       const double less = 1 - beyond - y * p / dimensions;
       for (; at < points && fullness(at) >= less; ++at)
@@ -53,18 +88,6 @@ class SphSurfaceSlope {
  private:
   static constexpr std::size_t points = 65;
   static double fullness(std::size_t k) { return 1 - 0.5 * static_cast<double>(k) / (points - 1); }
-  /// h times the integral of W over a plane at y h (2D: a line), by Simpson's rule.
-  static double of_plane(double y, int dimensions) {
-    constexpr int n = 64;
-    const double half = std::sqrt(std::max(4 - y * y, 0.0)), step = half / n;
-    double sum = 0;
-    for (int k = 0; k <= n; ++k) {
-      const double x = k * step, w = Kernel::weight(std::sqrt(y * y + x * x));
-      const double around = dimensions == 2 ? 2 : 2 * std::numbers::pi * x;
-      sum += (k == 0 || k == n ? 1 : k % 2 == 1 ? 4 : 2) * around * w;
-    }
-    return sum * step / 3 * Kernel::normalisation(dimensions, 1);
-  }
 
   std::array<double, points> slope_{};
 };
