@@ -310,6 +310,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   detail::SurfaceSpeed surface_speed(std::size_t k) const;
   std::string tips_at(double speed) const;
   double expected_speed() const;
+  double carried_speed(const Box& scene) const;
   void share_scene();
   void measure_scene();
   std::optional<detail::ShortestContact> shortest_contact(double speed) const;

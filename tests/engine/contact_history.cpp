@@ -137,7 +137,7 @@ TEST_CASE("contact_history: each number that a contact keeps has a name") {
         "3 of law, 4 of ledger");
   CHECK(words(silt::Simulation{silt::Particles<silt::Polyhedron>{}, contacts,
                                silt::ContactEvents{}}) ==
-        "3 of law, 4 of normal, 3 of law at point 2, 3 of law at point 3, 6 of area, 1 of "
+        "3 of law, 4 of normal, 3 of law at point 2, 3 of law at point 3, 9 of area, 1 of "
         "radius, 13 of events");
   using Engine = std::remove_cvref_t<decltype(pile({}).engine())>;
   CHECK(Engine::memory.name_of(2) == "law[2]");

@@ -1,11 +1,14 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -57,6 +60,24 @@ struct FluidPace {
   /// [s] largest particle step that resolves the contacts; empty if their law has no closed form.
   /// Expensive.
   std::function<std::optional<double>()> contact_limit;
+};
+
+/// The fastest fluid in a scene, for the choice of the particles' time step.
+struct FastestFluid {
+  double velocity = 0;                // [m/s]
+  double density = 0, viscosity = 0;  // [kg/m3], [Pa s]
+  double way = INFINITY;              // [m] over which it can carry particles
+
+  /// [m/s] Estimated speed of a sphere that starts at rest: its drag at rest (Schiller and Naumann)
+  /// all the way, and at most the fluid's velocity.
+  double carries(double diameter, double mass) const {
+    if (!(velocity > 0)) return 0;
+    const double area = 0.25 * std::numbers::pi * diameter * diameter,
+                 Re = viscosity > 0 ? density * velocity * diameter / viscosity : INFINITY,
+                 coefficient = Re < 1000 ? 24 / Re * (1 + 0.15 * std::pow(Re, 0.687)) : 0.44,
+                 force = 0.5 * density * velocity * velocity * coefficient * area;
+    return std::min(velocity, std::sqrt(2 * force / mass * way));
+  }
 };
 
 namespace detail {
@@ -135,6 +156,8 @@ concept ActiveFluid =
 ///   warnings()                        sentences that progress() and on_warnings() pass on after a
 ///                                     run: std::vector<std::string>
 ///   static constexpr bool warns_at_start       and after the first step of a run
+///   FastestFluid fastest(scene)       its largest velocity in a box: the particles' time step is
+///                                     chosen for the speed that it gives them
 ///   load_on_driven(w)                 its load on the driven wall w of the scene, and its
 ///                                     stiffness for a servo: LiquidOnWall, sph/driven_walls.hpp
 ///   void write(path), file_kind       writes the fluid for ParaView (vtk_series); its ending
@@ -181,6 +204,9 @@ struct FluidTraits {
   static constexpr bool needs_spin = turns || requires { requires F::needs_spin; };
   static constexpr bool needs_rotation = requires { requires F::needs_rotation; };
   static constexpr bool follows = requires { requires F::follows; };
+  static constexpr bool carries = requires(const F& f, const Box& scene) {
+    { f.fastest(scene) } -> std::same_as<FastestFluid>;
+  };
   static constexpr bool sees_forms = requires { requires F::sees_forms; };
   template <class Shape>
   static constexpr bool takes_forms = requires(F& f, const Shape& shape) {

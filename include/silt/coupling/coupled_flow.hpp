@@ -86,6 +86,14 @@ class BasicCoupledFlow {
     if (in_pressure()) flow_.keep_stress();
   }
 
+  /// The fastest fluid, of a flow that tells it.
+  FastestFluid fastest(const Box&) const {
+    if constexpr (requires { flow_.fastest(); })
+      return {flow_.fastest(), flow_.fluid().density, flow_.fluid().viscosity,
+              norm(flow_.grid().box().extent())};
+    else
+      return {};
+  }
   Flow& flow() { return flow_; }
   const Flow& flow() const { return flow_; }
   double least_voidage = 0.3;      // [-] of a cell; the clipped volume is counted

@@ -70,6 +70,17 @@ class PrescribedFlow {
   Vec3d gravity{0, 0, 0};  // [m/s2]; a Simulation sets its own
   FluidClock clock;
 
+  /// The largest velocity at 5^3 points of a box.
+  FastestFluid fastest(const Box& scene) const {
+    double most = 0;
+    const Vec3d e = scene.extent();
+    for (int k = 0; k < 125; ++k) {
+      const Vec3d at{0.25 * (k % 5) * e.x, 0.25 * (k / 5 % 5) * e.y, 0.25 * (k / 25) * e.z};
+      const double speed = norm(Vec3d(velocity_(scene.min + at, clock.time)));
+      if (std::isfinite(speed)) most = std::max(most, speed);
+    }
+    return {.velocity = most, .density = fluid_.density, .viscosity = fluid_.viscosity};
+  }
   void prepare(const FluidScene&) const {}
   int steps_wanted(const FluidPace&, const Team&) const { return 1; }
   void advance(const CoupledParticles& of, double dt, std::span<Vec3d> force, const Team& team = {},

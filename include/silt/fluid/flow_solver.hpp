@@ -92,6 +92,8 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
 
   const Grid& grid() const { return s_.grid; }
   const FluidProperties& fluid() const { return s_.fluid; }
+  /// [m/s] largest component of the velocity on any face, or of an inflow.
+  double fastest() const { return s_.fastest(); }
   const FlowOptions& options() const { return s_.options; }
 
   /// Condition at the lower (end 0) or upper (end 1) side of a direction that is not periodic;

@@ -4,6 +4,7 @@
 // Parts of Simulation that choose the time step.
 
 #include <array>
+#include <numbers>
 
 #include <silt/simulation.hpp>
 
@@ -76,6 +77,7 @@ double Simulation<Policies...>::expected_speed() const {
       const Box b = detail::bounds_in_space(w, s);
       include(b.min), include(b.max);
     }
+  speed = std::max(speed, carried_speed(scene));
   const double pushed = [this] {
     if constexpr (has_ranks)
       return ranks_scene_.size.acceleration;
@@ -93,6 +95,29 @@ double Simulation<Policies...>::expected_speed() const {
   // For a scene that is flat, or bounded by inclined walls only, at least the particle size is
   // known.
   return speed > 0 ? speed : fall(scene.grown(largest));
+}
+
+/// The speed [m/s] that the fluid can give to particles at rest on their way through the scene.
+template <class... Policies>
+double Simulation<Policies...>::carried_speed([[maybe_unused]] const Box& scene) const {
+  double most = 0;
+  if constexpr (FluidIs::carries) {
+    if (!(scene.max.x >= scene.min.x)) return 0;
+    const FastestFluid fluid = fluid_.fastest(scene);
+    const auto include = [&](double radius, double mass) {
+      if (std::isfinite(mass)) most = std::max(most, fluid.carries(2 * radius, mass));
+    };
+    for (std::size_t k = 0; k < rows(); ++k)
+      if (is_present(k)) include(radius(k), mass(k));
+    if constexpr (!of_bodies)
+      for (const auto& inlet : openings_.inlets())
+        for (std::size_t k = 0; k < inlet.flow.kinds(); ++k) {
+          const InletShare kind = inlet.flow.kind(k);
+          const double r = kind.radius.min();
+          include(r, kind.density * 4 * std::numbers::pi / 3 * r * r * r);
+        }
+  }
+  return most;
 }
 
 /// The quantities that determine the time step, over the particles of all ranks (collective).

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <exception>
 #include <functional>
 #include <optional>
 #include <string>
@@ -151,7 +152,7 @@ class Study {
     StudyRun run(options.clock.now, true);
     try {
       reference_->function(run);
-    } catch (const Error& e) {
+    } catch (const std::exception& e) {
       throw InputError(text(which(), "its reference '", reference_->name, "' failed: ", e.what()));
     }
     values_ = run.values_;
@@ -178,7 +179,7 @@ class Study {
       StudyRun run(options.clock.now, row.runs == 0);
       try {
         variant.function(run);
-      } catch (const Error& e) {
+      } catch (const std::exception& e) {
         row.failure = e.what();
         return;
       }

@@ -173,7 +173,8 @@ class EndedSolidContacts {
       const std::size_t kept = C::history_of(point) + C::kept_from;
       const Vec3d v = kin.velocity + cross(g * spin, arms[point]);
       work.dashpot += half * history(kept) * dot(v, n);
-      if constexpr (is_frictional<Law>) work.shear += half * dot(v - dot(v, n) * n, at(kept + 1));
+      if constexpr (is_frictional<Law>)
+        work.shear += half * history(F + 6) / g * dot(v - dot(v, n) * n, at(kept + 1));
     }
     kin.overlap = std::max(kin.overlap + half * dot(kin.velocity, n), 0.0);
     kin.velocity = {0, 0, 0};

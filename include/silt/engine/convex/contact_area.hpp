@@ -31,6 +31,21 @@ namespace silt::inline SILT_TARGET::detail {
 /// disc it is 0.6 % low; on a rectangle, averaged over the rotations of t, at most 2.6 % low; the
 /// worst error is 10 %, for one orientation of t on a very long rectangle.
 ///
+/// Where bodies stick: as a face tilts by a fraction of its depth, p moves across the face, and the
+/// factor g between displacements and overlaps, with which velocities and forces of the law are
+/// multiplied (SolidContact), changes by a third. A tangential spring that followed them would be
+/// loaded in one state and unloaded in another. A static friction force that shifts with the normal
+/// force is no potential's either: a block that rolls sideways was turned by it. Blocks on steep
+/// slopes rocked and walked down without sliding, and gained energy on the way. So the tangential
+/// forces act at p' and take g', which stand still in the contact's frame as long as friction does
+/// not slide, and follow p and g where it does. Otherwise they follow slowly, and where the bodies
+/// roll on each other by w x r, within a 1000th of the region's size d:
+///
+///   dp'/dt = (p - p') (1/(100 s) + 1000 |w x r|/d),  s = sqrt(m overlap/F);  g' the same (3)
+///
+/// p' is kept relative to the centre of i. Laws whose coefficients have no `friction` do not tell
+/// whether they slide: p' = p, g' = g.
+///
 /// Damping: with c = the law's dashpot, rocking with angular velocity w is resisted by the torque
 /// a^2 c C w; its ratio to critical damping is nearly that of the normal motion.
 ///
@@ -88,6 +103,24 @@ struct AreaFrame {
   }
 };
 
+/// What the tangential forces of a contact keep from step to step: (3).
+template <class Real>
+struct SlipFrame {
+  Real gradient;       // [-] g'; 0 in a new contact
+  Real along, beside;  // [m] p' from the centre of i, in the frame of AreaFrame
+
+  static SILT_INLINE SlipFrame at(double* const* from) {
+    return {load<Real>(from[0]), load<Real>(from[1]), load<Real>(from[2])};
+  }
+  SILT_INLINE void keep(double* const* to) const {
+    store(to[0], gradient), store(to[1], along), store(to[2], beside);
+  }
+  SILT_INLINE void follow(const SlipFrame& now, const Real& share) {
+    gradient += share * (now.gradient - gradient);
+    along += share * (now.along - along), beside += share * (now.beside - beside);
+  }
+};
+
 /// Input of the points of N contacts, and their resulting loads.
 template <std::size_t N>
 struct AreaBlock {
@@ -124,7 +157,8 @@ template <std::size_t N>
 struct AtAreaPoints {
   AreaBlock<N>& area;
   bool renew;  // recompute all points from the spread; else only those of new contacts
-  const double* gradients = nullptr;  // of SolidContact, or null if all are 1
+  std::array<const double*, 3> levers;  // [m] of the points from the centres of i
+  const double* gradients = nullptr;    // of SolidContact, or null if all are 1
 
   template <class ContactsType, class Arch, class Block, std::size_t H, class Losses>
   SILT_INLINE void loads(Block& block, std::size_t count, const StepTimes& times,
@@ -144,23 +178,42 @@ struct AtAreaPoints {
       const auto radii = block.template get_radii<Real>(k);
       const auto touches = kin.overlap > Real(0);
       const Vec3<Real> spin = load3<Real>(area.spin[0] + k, area.spin[1] + k, area.spin[2] + k);
-      double* frame[6];
-      for (std::size_t h = 0; h < 6; ++h) frame[h] = history[ContactsType::frame_from + h] + k;
+      double* frame[ContactsType::area_numbers];
+      for (std::size_t h = 0; h < ContactsType::area_numbers; ++h)
+        frame[h] = history[ContactsType::frame_from + h] + k;
       start_points<ContactsType, Real>(history, frame, k);
       const auto arms = arms_of(kin, touches, step, k, frame);
 
-      Vec3<Real> force = none, moment = none;
+      const Real g = gradients != nullptr ? silt::load<Real>(gradients + k) : Real(1);
+      const Vec3<Real> way = load3<Real>(frame[0], frame[1], frame[2]),
+                       beside = cross(kin.normal, way);
+      const Vec3<Real> lever = load3<Real>(levers[0] + k, levers[1] + k, levers[2] + k);
+      const SlipFrame<Real> now{g, dot(lever, way), dot(lever, beside)};
+      SlipFrame<Real> slips = SlipFrame<Real>::at(frame + 6);
+      slips.follow(now, select(slips.gradient > Real(0),
+                               rolls(spin, lever, kin.normal, frame, step), Real(1)));
+      const Vec3<Real> off = (slips.along - now.along) * way + (slips.beside - now.beside) * beside;
+      const Real scale = slips.gradient / g;
+
+      Vec3<Real> force = none, moment = none, across = none;
+      const Vec3<Real> middle = kin.normal - lag * kin.change;  // at the time of the velocities
       const auto add = [&]<std::size_t P>() {
-        const Vec3<Real> arm = select(touches, arms[P], none);
+        const Vec3<Real> arm = select(touches, arms[P], none),
+                         slip_arm = arm + select(touches, off, none);
         Kinematics<Real> here = kin;
-        here.velocity = kin.velocity + cross(spin, arm);
+        const Vec3<Real> slip = scale * (kin.velocity + cross(spin, slip_arm));
+        here.velocity = dot(kin.velocity + cross(spin, arm), middle) * middle + slip -
+                        dot(slip, middle) * middle;
         std::array<double*, of_one + 1> own{};
         for (std::size_t h = 0; h < of_one; ++h)
           own[h] = history[ContactsType::history_of(P) + h] + k;
         const Vec3<Real> f = Kernel::load(here, {}, radii, step, lag, times.ask, coefficients.law(),
                                           coefficients.rolling(), own.data(), tally, part)
                                  .force;
-        force += f, moment += cross(arm, f);
+        const Vec3<Real> pressing = dot(f, kin.normal) * kin.normal,
+                         holding = scale * (f - pressing);
+        force += pressing + holding, across += holding;
+        moment += cross(arm, pressing) + cross(slip_arm, holding);
       };
       losses.begin(tally.lanes);
       add.template operator()<0>();
@@ -168,6 +221,10 @@ struct AtAreaPoints {
       add.template operator()<1>(), add.template operator()<2>();
       tally.sum.safeguards = safeguards;
       losses.end(k, times, tally.lanes);
+      slips.follow(now,
+                   slides(kin, coefficients.law(), scale, dot(force, kin.normal), across, step));
+      slips.gradient = select(touches, slips.gradient, Real(0));
+      slips.keep(frame + 6);
       if constexpr (keeps_events<ContactsType>)
         watch<ContactsType>(kin, touches, force, moment, spin, history, times, k, tally.sum.notes);
       block.template put_load<Real>(k, {force, none, none});
@@ -179,15 +236,46 @@ struct AtAreaPoints {
   template <class ContactsType, std::size_t H>
   void tell(const Contact<double>& c, const typename ContactsType::LawCoefficients& p,
             const std::array<double*, H>& history, std::size_t k, RecordedContact& to) const {
+    const Vec3d before = to.spring;
     for (std::size_t point = 0; point < area_points; ++point) {
       std::array<double*, ContactsType::point_history + 1> own{};
       for (std::size_t h = 0; h < ContactsType::point_history; ++h)
         own[h] = history[ContactsType::history_of(point) + h] + k;
       tell_parts<ContactsType>(c, p, own.data(), 1.0 / double{area_points}, to);
     }
+    const double held = history[ContactsType::frame_from + 6][k];
+    if (gradients != nullptr && held > 0)
+      to.spring = before + (held / gradients[k]) * (to.spring - before);
   }
 
  private:
+  /// [-] share by which the points of friction follow in this step, (3): where bodies roll, and
+  /// otherwise; 1 where they slide.
+  template <class Real>
+  static SILT_INLINE Real rolls(const Vec3<Real>& spin, const Vec3<Real>& lever,
+                                const Vec3<Real>& n, double* const* area, const Real& step) {
+    const Vec3<Real> tilts = spin - dot(spin, n) * n;
+    const Real a = load<Real>(area[3]), b = load<Real>(area[4]), c = load<Real>(area[5]);
+    const Real way = sqrt(dot(tilts, tilts) * dot(lever, lever) /
+                          max(a * a + Real(2) * b * b + c * c, smallest<Real>()));
+    return min(Real(1000) * step * way, Real(1));
+  }
+  template <class Real, class Coefficients>
+  static SILT_INLINE Real slides(const Kinematics<Real>& kin, const Coefficients& of,
+                                 const Real& scale, const Real& force, const Vec3<Real>& across,
+                                 const Real& step) {
+    if constexpr (requires { of.body.friction; }) {
+      return slides(kin, of.body, scale, force, across, step);
+    } else if constexpr (requires { of.friction; }) {
+      const Real pressing = max(force, Real(0)),
+                 limit = Real(0.98) * of.friction * scale * pressing;
+      const Real rate = sqrt(pressing * kin.inverse_m_eff / max(kin.overlap, smallest<Real>()));
+      return select(dot(across, across) < limit * limit, min(Real(0.01) * step * rate, Real(1)),
+                    Real(1));
+    } else {
+      return Real(1);
+    }
+  }
   /// A contact that had one point, among ellipsoids alone, continues with its history at each.
   template <class ContactsType, class Real, std::size_t H>
   static SILT_INLINE void start_points(const std::array<double*, H>& history, double* const* at,
@@ -241,7 +329,7 @@ struct AtAreaPoints {
       Watch::template step<false>(kin, touches, load, moment, spin, kept.data(), times, k, notes);
   }
 };
-template <std::size_t N, class... More>
-AtAreaPoints(AreaBlock<N>&, More...) -> AtAreaPoints<N>;
+template <std::size_t N>
+AtAreaPoints(AreaBlock<N>&, bool, std::array<const double*, 3>, const double*) -> AtAreaPoints<N>;
 
 }  // namespace silt::detail

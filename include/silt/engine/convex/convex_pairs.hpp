@@ -221,7 +221,9 @@ class ConvexPairs {
     const Ends ends{scene, open, c, from, has_gradient<A, B>, has_area};
     if constexpr (has_area)
       stage.run(c.kinematics, count, kinds, history, ends, tally,
-                AtAreaPoints{c.area, !Touch::template in_lanes<A, B> || scene.in.times.renew_areas,
+                AtAreaPoints{c.area,
+                             !Touch::template in_lanes<A, B> || scene.in.times.renew_areas,
+                             {c.arm_i[0], c.arm_i[1], c.arm_i[2]},
                              has_gradient<A, B> ? c.gradient : nullptr});
     else
       stage.run(c.kinematics, count, kinds, history, ends, tally, AtOnePoint<double>{});

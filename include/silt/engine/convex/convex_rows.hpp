@@ -24,8 +24,8 @@ namespace silt::inline SILT_TARGET::detail {
 /// A Contacts type whose contacts have `Points` points, each with its own history
 /// (contact_area.hpp), and store the narrow phase's data of the last step: NormalMemory. The order
 /// is: the first point's history; NormalMemory without its last value; the other points' histories;
-/// AreaFrame; the last value of NormalMemory. Contacts of one point therefore need the first values
-/// only. At walls only the last value of NormalMemory is used.
+/// AreaFrame and SlipFrame; the last value of NormalMemory. Contacts of one point therefore need
+/// the first values only. At walls only the last value of NormalMemory is used.
 template <class ContactsType, std::size_t Points>
 struct WithNormals : ContactsType {
   static constexpr bool rotates = true;
@@ -33,9 +33,10 @@ struct WithNormals : ContactsType {
   static constexpr bool shares_contacts = Points > 1;
   static constexpr std::size_t memory_from = point_history;
   static constexpr std::size_t memory_to = memory_from + sizeof(NormalMemory<double>) / 8 - 1;
-  static constexpr std::size_t frame_from = memory_to + (Points - 1) * point_history;  // AreaFrame
+  static constexpr std::size_t frame_from = memory_to + (Points - 1) * point_history;
+  static constexpr std::size_t area_numbers = 9;  // AreaFrame and SlipFrame
   static constexpr std::size_t memory_radius =
-      frame_from + (Points > 1 ? 6 : 0);  // R_eff: touching
+      frame_from + (Points > 1 ? area_numbers : 0);  // R_eff: touching
   static constexpr std::size_t history = memory_radius + 1;
   /// For contacts with walls: number of values before R_eff that are in use.
   static constexpr std::size_t history_kept(bool has_area) {

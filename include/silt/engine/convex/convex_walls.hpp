@@ -103,7 +103,10 @@ class ConvexWalls {
     const Stage stage{in.times, table, fluxes};
     if (has_area)
       stage.run(s.kinematics, s.count, s.kind, history, Ends{s, has_area}, running,
-                AtAreaPoints{s.area, !Planes::in_lanes || in.times.renew_areas, s.gradient});
+                AtAreaPoints{s.area,
+                             !Planes::in_lanes || in.times.renew_areas,
+                             {s.arm[0], s.arm[1], s.arm[2]},
+                             s.gradient});
     else
       stage.run(s.kinematics, s.count, s.kind, history, Ends{s, has_area}, running,
                 AtOnePoint<double>{});
