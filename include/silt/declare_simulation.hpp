@@ -43,6 +43,8 @@ using PlainVtkSeries = decltype(vtk_series(std::string(), std::declval<Schedule>
   extern_or_not template void detail::SimulationOf<__VA_ARGS__>::finish_step();                    \
   extern_or_not template bool detail::SimulationOf<__VA_ARGS__>::follow_time_step(bool);           \
   extern_or_not template double detail::SimulationOf<__VA_ARGS__>::expected_speed() const;         \
+  extern_or_not template double detail::SimulationOf<__VA_ARGS__>::carried_speed(                  \
+      const Box&) const;                                                                           \
   extern_or_not template void detail::SimulationOf<__VA_ARGS__>::keep_limits();                    \
   extern_or_not template void detail::SimulationOf<__VA_ARGS__>::check_walls() const;              \
   extern_or_not template detail::SimulationOf<__VA_ARGS__>::Engine::Engine();                      \

@@ -121,6 +121,21 @@ struct SlipFrame {
   }
 };
 
+/// Where the tangential forces of a contact act in a step.
+template <class Real>
+struct SlipPoint {
+  SlipFrame<Real> now, held;  // of the contact point; of p'
+  Vec3<Real> off;             // [m] p' - p
+  Real scale;                 // [-] g'/g
+  Vec3<Real> middle;          // [-] the normal at the time of the velocities
+
+  /// Velocity times g [m/s] for the law: `v` at p, its part across the normal at p' times g'/g.
+  SILT_INLINE Vec3<Real> velocity(const Vec3<Real>& v, const Vec3<Real>& spin) const {
+    const Vec3<Real> slip = scale * (v + cross(spin, off));
+    return dot(v, middle) * middle + slip - dot(slip, middle) * middle;
+  }
+};
+
 /// Input of the points of N contacts, and their resulting loads.
 template <std::size_t N>
 struct AreaBlock {
@@ -184,26 +199,13 @@ struct AtAreaPoints {
       start_points<ContactsType, Real>(history, frame, k);
       const auto arms = arms_of(kin, touches, step, k, frame);
 
-      const Real g = gradients != nullptr ? silt::load<Real>(gradients + k) : Real(1);
-      const Vec3<Real> way = load3<Real>(frame[0], frame[1], frame[2]),
-                       beside = cross(kin.normal, way);
-      const Vec3<Real> lever = load3<Real>(levers[0] + k, levers[1] + k, levers[2] + k);
-      const SlipFrame<Real> now{g, dot(lever, way), dot(lever, beside)};
-      SlipFrame<Real> slips = SlipFrame<Real>::at(frame + 6);
-      slips.follow(now, select(slips.gradient > Real(0),
-                               rolls(spin, lever, kin.normal, frame, step), Real(1)));
-      const Vec3<Real> off = (slips.along - now.along) * way + (slips.beside - now.beside) * beside;
-      const Real scale = slips.gradient / g;
+      SlipPoint<Real> slip = slip_point(kin, spin, touches, step, lag, k, frame);
 
       Vec3<Real> force = none, moment = none, across = none;
-      const Vec3<Real> middle = kin.normal - lag * kin.change;  // at the time of the velocities
       const auto add = [&]<std::size_t P>() {
-        const Vec3<Real> arm = select(touches, arms[P], none),
-                         slip_arm = arm + select(touches, off, none);
+        const Vec3<Real> arm = select(touches, arms[P], none);
         Kinematics<Real> here = kin;
-        const Vec3<Real> slip = scale * (kin.velocity + cross(spin, slip_arm));
-        here.velocity = dot(kin.velocity + cross(spin, arm), middle) * middle + slip -
-                        dot(slip, middle) * middle;
+        here.velocity = slip.velocity(kin.velocity + cross(spin, arm), spin);
         std::array<double*, of_one + 1> own{};
         for (std::size_t h = 0; h < of_one; ++h)
           own[h] = history[ContactsType::history_of(P) + h] + k;
@@ -211,9 +213,9 @@ struct AtAreaPoints {
                                           coefficients.rolling(), own.data(), tally, part)
                                  .force;
         const Vec3<Real> pressing = dot(f, kin.normal) * kin.normal,
-                         holding = scale * (f - pressing);
+                         holding = slip.scale * (f - pressing);
         force += pressing + holding, across += holding;
-        moment += cross(arm, pressing) + cross(slip_arm, holding);
+        moment += cross(arm, pressing) + cross(arm + slip.off, holding);
       };
       losses.begin(tally.lanes);
       add.template operator()<0>();
@@ -221,10 +223,10 @@ struct AtAreaPoints {
       add.template operator()<1>(), add.template operator()<2>();
       tally.sum.safeguards = safeguards;
       losses.end(k, times, tally.lanes);
-      slips.follow(now,
-                   slides(kin, coefficients.law(), scale, dot(force, kin.normal), across, step));
-      slips.gradient = select(touches, slips.gradient, Real(0));
-      slips.keep(frame + 6);
+      slip.held.follow(slip.now, slides(kin, coefficients.law(), slip.scale, dot(force, kin.normal),
+                                        across, step));
+      slip.held.gradient = select(touches, slip.held.gradient, Real(0));
+      slip.held.keep(frame + 6);
       if constexpr (keeps_events<ContactsType>)
         watch<ContactsType>(kin, touches, force, moment, spin, history, times, k, tally.sum.notes);
       block.template put_load<Real>(k, {force, none, none});
@@ -249,6 +251,22 @@ struct AtAreaPoints {
   }
 
  private:
+  template <class Real, class Touches>
+  SILT_INLINE SlipPoint<Real> slip_point(const Kinematics<Real>& kin, const Vec3<Real>& spin,
+                                         const Touches& touches, const Real& step, const Real& lag,
+                                         std::size_t k, double* const* frame) const {
+    const Real g = gradients != nullptr ? silt::load<Real>(gradients + k) : Real(1);
+    const Vec3<Real> way = load3<Real>(frame[0], frame[1], frame[2]),
+                     beside = cross(kin.normal, way);
+    const Vec3<Real> lever = load3<Real>(levers[0] + k, levers[1] + k, levers[2] + k);
+    const SlipFrame<Real> now{g, dot(lever, way), dot(lever, beside)};
+    SlipFrame<Real> held = SlipFrame<Real>::at(frame + 6);
+    held.follow(
+        now, select(held.gradient > Real(0), rolls(spin, lever, kin.normal, frame, step), Real(1)));
+    const Vec3<Real> off = (held.along - now.along) * way + (held.beside - now.beside) * beside;
+    return {now, held, select(touches, off, {Real(0), Real(0), Real(0)}), held.gradient / g,
+            kin.normal - lag * kin.change};
+  }
   /// [-] share by which the points of friction follow in this step, (3): where bodies roll, and
   /// otherwise; 1 where they slide.
   template <class Real>
