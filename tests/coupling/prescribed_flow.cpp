@@ -189,6 +189,28 @@ TEST_CASE("prescribed_flow: a restart goes on with the same bits, and so do more
   CHECK(second.fluid().clock.steps == whole.fluid().clock.steps);
 }
 
+// A step for the particles at rest was twice as long here; a run ended when they had become faster.
+TEST_CASE("prescribed_flow: the time step is that for the speed which the wind gives") {
+  const auto chosen = [](double speed, double wind, double size) {
+    Particles<Sphere> all;
+    all.add({.position = {0, 0, 0}, .radius = size, .density = 2500, .velocity = {speed, 0, 0}});
+    Simulation sim{std::move(all), silt::Contacts<HertzMindlin>{glass},
+                   PrescribedFlow{silt::SchillerNaumann{}, {rho, mu}, [=](const Vec3d&, double) {
+                                    return Vec3d{wind, 0, 0};
+                                  }}};
+    sim.run(0);
+    return sim.step_length();
+  };
+  CHECK(chosen(0, 30, d) == chosen(30, 0, d));
+  CHECK(chosen(0, 30, d) < 0.9 * chosen(3, 0, d));
+  // Newton's drag, 0.44, over 0.1 m; small spheres reach the velocity of the fluid.
+  const silt::FastestFluid air{.velocity = 100, .density = 1.2, .viscosity = 1.8e-5, .way = 0.1};
+  const double D = 0.01, m = 2500 * std::numbers::pi / 6 * D * D * D,
+               F = 0.5 * 1.2 * 1e4 * 0.44 * std::numbers::pi / 4 * D * D;
+  CHECK(std::abs(air.carries(D, m) - std::sqrt(2 * F / m * 0.1)) < 1e-12);
+  CHECK(air.carries(1e-5, 1e-12) == 100);
+}
+
 TEST_CASE("prescribed_flow: fluids and velocities that cannot be are refused") {
   const auto still = [](const Vec3d&, double) { return Vec3d{0, 0, 0}; };
   CHECK_THROWS_AS((PrescribedFlow{Stokes{}, {0, mu}, still}), silt::InputError);

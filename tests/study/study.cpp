@@ -266,7 +266,9 @@ TEST_CASE("study: a variant that fails stands in the table with its sentence, ot
   CHECK(results.rows[3].failure == "full");
   CHECK(results.recommended == 1);
   has(study.table(), "broken failed: step 3: the time step is above its limit\n");
-  // What is no Error of silt is not taken for a result.
+  study.variant("no file", [](StudyRun&) { throw std::runtime_error("no file"); });
+  CHECK(study.run(clock.options()).rows.back().failure == "no file");
+  // A bug is not taken for a result.
   study.variant("bug", [](StudyRun&) { throw std::logic_error("bug"); });
   CHECK_THROWS_AS(study.run(clock.options()), std::logic_error);
 }

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <functional>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -152,7 +152,7 @@ class Study {
     StudyRun run(options.clock.now, true);
     try {
       reference_->function(run);
-    } catch (const std::exception& e) {
+    } catch (const std::runtime_error& e) {
       throw InputError(text(which(), "its reference '", reference_->name, "' failed: ", e.what()));
     }
     values_ = run.values_;
@@ -179,7 +179,7 @@ class Study {
       StudyRun run(options.clock.now, row.runs == 0);
       try {
         variant.function(run);
-      } catch (const std::exception& e) {
+      } catch (const std::runtime_error& e) {
         row.failure = e.what();
         return;
       }
