@@ -43,8 +43,8 @@ namespace silt::inline SILT_TARGET::detail {
 ///
 ///   dp'/dt = (p - p') (1/(100 s) + 1000 |w x r|/d),  s = sqrt(m overlap/F);  g' the same (3)
 ///
-/// p' is kept relative to the centre of i. Laws whose coefficients have no `friction` do not tell
-/// whether they slide: p' = p, g' = g.
+/// p' is kept relative to the centre of i. Laws whose coefficients have neither `friction` nor `mu`
+/// do not tell whether they slide: p' = p, g' = g.
 ///
 /// Damping: with c = the law's dashpot, rocking with angular velocity w is resisted by the torque
 /// a^2 c C w; its ratio to critical damping is nearly that of the normal motion.
@@ -284,9 +284,15 @@ struct AtAreaPoints {
                                  const Real& step) {
     if constexpr (requires { of.body.friction; }) {
       return slides(kin, of.body, scale, force, across, step);
-    } else if constexpr (requires { of.friction; }) {
-      const Real pressing = max(force, Real(0)),
-                 limit = Real(0.98) * of.friction * scale * pressing;
+    } else if constexpr (
+        requires { of.friction; } || requires { of.mu; }) {
+      const Real friction = [&of] {
+        if constexpr (requires { of.friction; })
+          return of.friction;
+        else
+          return of.mu;
+      }();
+      const Real pressing = max(force, Real(0)), limit = Real(0.98) * friction * scale * pressing;
       const Real rate = sqrt(pressing * kin.inverse_m_eff / max(kin.overlap, smallest<Real>()));
       return select(dot(across, across) < limit * limit, min(Real(0.01) * step * rate, Real(1)),
                     Real(1));
