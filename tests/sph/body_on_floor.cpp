@@ -108,8 +108,9 @@ TEST_CASE("SPH: a ball of steel on the floor weighs its apparent weight") {
 // takes its place: without its pressure 0.87 for the first. The others are thicker than four
 // supports of the kernel, so that they are hollow: taken for full, 0.27 and -0.61.
 TEST_CASE("SPH: blocks on the floor have their buoyancy, whatever their size") {
-  for (const auto& [wide, high] : {std::pair{8, 6}, std::pair{8, 8}, std::pair{16, 8}}) {
-    const double lift = lift_on_floor(wide, high);
+  for (const auto& size : {std::pair{8, 6}, std::pair{8, 8}, std::pair{16, 8}}) {
+    const int wide = size.first;
+    const double lift = lift_on_floor(wide, size.second);
     CAPTURE(wide);
     CHECK(lift == near(1).epsilon(0.08));
   }

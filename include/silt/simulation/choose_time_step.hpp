@@ -104,8 +104,8 @@ double Simulation<Policies...>::carried_speed([[maybe_unused]] const Box& scene)
   if constexpr (FluidIs::carries) {
     if (!(scene.max.x >= scene.min.x)) return 0;
     const FastestFluid fluid = fluid_.fastest(scene);
-    const auto include = [&](double radius, double mass) {
-      if (std::isfinite(mass)) most = std::max(most, fluid.carries(2 * radius, mass));
+    const auto include = [&](double r, double m) {
+      if (std::isfinite(m)) most = std::max(most, fluid.carries(2 * r, m));
     };
     for (std::size_t k = 0; k < rows(); ++k)
       if (is_present(k)) include(radius(k), mass(k));
