@@ -39,9 +39,10 @@ namespace silt::inline SILT_TARGET::detail {
 /// slopes rocked and walked down without sliding, and gained energy on the way. So the tangential
 /// forces act at p' and take g', which stand still in the contact's frame as long as friction does
 /// not slide, and follow p and g where it does. Otherwise they follow slowly, and where the bodies
-/// roll on each other by w x r, within a 1000th of the region's size d:
+/// roll on each other, by |w x r| dt in a step, as soon as that is a hundredth of the region's
+/// size d. (In proportion to |w x r| cubes that rock on rough ground would not come to rest.)
 ///
-///   dp'/dt = (p - p') (1/(100 s) + 1000 |w x r|/d),  s = sqrt(m overlap/F);  g' the same (3)
+///   dp'/dt = (p - p') (1/(100 s) + (100 |w x r|/d)^2 dt),  s = sqrt(m overlap/F);  g' the same (3)
 ///
 /// p' is kept relative to the centre of i. Laws whose coefficients have neither `friction` nor `mu`
 /// do not tell whether they slide: p' = p, g' = g.
@@ -274,9 +275,9 @@ struct AtAreaPoints {
                                 const Vec3<Real>& n, double* const* area, const Real& step) {
     const Vec3<Real> tilts = spin - dot(spin, n) * n;
     const Real a = load<Real>(area[3]), b = load<Real>(area[4]), c = load<Real>(area[5]);
-    const Real way = sqrt(dot(tilts, tilts) * dot(lever, lever) /
-                          max(a * a + Real(2) * b * b + c * c, smallest<Real>()));
-    return min(Real(1000) * step * way, Real(1));
+    const Real way = dot(tilts, tilts) * dot(lever, lever) /
+                     max(a * a + Real(2) * b * b + c * c, smallest<Real>());
+    return min(Real(1e4) * step * step * way, Real(1));
   }
   template <class Real, class Coefficients>
   static SILT_INLINE Real slides(const Kinematics<Real>& kin, const Coefficients& of,
