@@ -32,10 +32,11 @@ namespace silt::inline SILT_TARGET::detail {
 ///
 /// M_k is the missing part of the kernel gradient at the particle k of a body, compared with liquid
 /// on all sides; the latter is the opposite of the sum over the body. B_k is the part of it that
-/// the wall takes, that of a half-space: no particle of the body meets those of the wall. The rest
-/// is a gap without liquid. It counts fully (s_k = 1) where 0.3 of the gradient is missing, and
-/// not at all where a tenth is, as around any body in a liquid. With B_k alone left out at the
-/// lowest particles of a block's sides, which are in liquid, the block lacked 13 % of its buoyancy.
+/// the wall takes, that of a half-space, but no more than is missing: no particle of the body meets
+/// those of the wall. The rest is a gap without liquid. It counts fully (s_k = 1) where 0.3 of the
+/// gradient is missing, and not at all where a tenth is, as around any body in a liquid. Without
+/// B_k at the lowest particles of a block's sides, which are in liquid, the block lacked 13 % of
+/// its buoyancy.
 ///
 /// p_w is the pressure at the wall in front of k, p_k that at the surface of the body: the mean
 /// over the liquid within the kernel's reach of the body's surface along that wall, closer than 2 h
@@ -333,10 +334,12 @@ class DryGaps {
       // What the wall takes, with the pressure at its surface.
       const Vec3d place = of.place(site.point);
       const double away = site.gap + dot(place - site.surface, site.normal);
-      const Vec3d behind = -half_space_(away / h) / h * site.normal;
+      const Vec3d all = -1.0 * of.turned(site.point, own_[site.point]);
+      // Beside an edge, and at a thin wall, there is less of it.
+      const double missing = std::max(-dot(all - site.slope, site.normal), 0.0);
+      const Vec3d behind = -std::min(half_space_(away / h) / h, missing) * site.normal;
       if (away < reach) add(behind, place - away * site.normal);
       // What is empty in between.
-      const Vec3d all = -1.0 * of.turned(site.point, own_[site.point]);
       const double whole = dot(all, all);
       if (!(whole * reach * reach > 4e-3)) continue;
       const double wet = dot(site.slope + behind, all) / whole,
