@@ -116,8 +116,8 @@ void run(const studies::Setting& wanted, example::Summary& summary) {
 
   const auto time =
       part("SPH: time integration", sph::time_steps(fine, quick), setting, "time", summary);
-  summary.check_at_most("axes_of_the_drop_symplectic_0.2",
-                        error_of(time, "symplectic, 0.2", "axes of the drop"), quick ? 4 : 1.5);
+  summary.check_at_most("axes_of_the_drop_leapfrog_0.6",
+                        error_of(time, "leapfrog, 0.6", "axes of the drop"), quick ? 4 : 1.5);
   const auto diffusion =
       part("SPH: diffusion", sph::diffusions(fine, quick), setting, "diffusion", summary);
   // Molteni's term changes the liquid near its surface permanently.

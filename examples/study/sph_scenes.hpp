@@ -19,7 +19,7 @@ constexpr double g = 9.81, rho = 1000;  // [m/s2], [kg/m3]
 /// Varied parameters other than policies.
 struct Choice {
   double fine = 1;  // [-] particles a length, over those of the coarsest
-  double smoothing = 1.2, courant = 0.2, alpha = 0.02;
+  double smoothing = 1.2, courant = 0, alpha = 0.02;
   double sound = 10;  // [-] over the largest speed that the scene may have
 };
 inline int count(double coarsest, const Choice& choice) {

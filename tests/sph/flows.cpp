@@ -242,8 +242,9 @@ TEST_CASE("SPH: a uniform flow through a box that repeats stays one") {
     });
     return off;
   };
-  CHECK(flows(SymplecticTime{}) < 1e-11);
+  CHECK(flows(LeapfrogTime{}) < 1e-11);
 #ifdef SILT_LONG_TESTS
+  CHECK(flows(SymplecticTime{}) < 1e-11);
   CHECK(flows(VerletTime{}) < 1e-11);
 #endif
 }

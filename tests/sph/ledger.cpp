@@ -84,14 +84,19 @@ TEST_CASE("SPH ledger: a liquid's elastic energy is the integral of P/rho^2") {
 
 TEST_CASE("SPH ledger: without terms a drop keeps its energy, to the error of the steps") {
   const auto residual = [](double courant) {
-    const LiquidBalance e = after(0.3, courant, Inviscid{}, NoDiffusion{}, NoShifting{});
-    CHECK(e.dissipated() == 0);
-    CHECK(e.supplied() == 0);
-    return std::abs(e.residual()) / e.initial;
+    const auto check = [courant](auto time) {
+      const LiquidBalance e = after(0.3, courant, Inviscid{}, NoDiffusion{}, NoShifting{}, time);
+      CHECK(e.dissipated() == 0);
+      CHECK(e.supplied() == 0);
+      return std::abs(e.residual()) / e.initial;
+    };
+    return std::pair{check(LeapfrogTime{}), courant > 0.2 ? 0.0 : check(SymplecticTime{})};
   };
-  const double coarse = residual(0.2), fine = residual(0.1);
-  CHECK(coarse < 2e-5);
-  CHECK(fine < coarse / 3.5);  // second order or better
+  const auto coarse = residual(0.2), fine = residual(0.1);
+  CHECK(coarse.second < 2e-5);
+  CHECK(fine.second < coarse.second / 3.5);  // second order or better
+  CHECK(coarse.first < 2e-8);
+  CHECK(residual(0.8).first < 1e-6);
 }
 
 TEST_CASE("SPH ledger: a drop in free flight gives its potential energy to its motion") {
@@ -241,6 +246,24 @@ TEST_CASE("SPH ledger: a floor that rises lifts the column: its work is force ti
   CHECK(std::abs(e.residual()) < 2e-4 * lifted);
 }
 
+// Catches separation from walls that lowers densities by the pressures of the step before: at c =
+// 100 times the speed of the fall such a column gained 0.5 % of its energy at a Courant number of
+// 0.2 and 27 % at 0.4.
+TEST_CASE("SPH ledger: a column that collapses gains nothing, however stiff it is") {
+  const double H = 0.2, fall = std::sqrt(2 * g * H);
+  Sph column{
+      Liquid{.density = rho, .sound_speed = 100 * fall},
+      {.spacing = 0.01, .region = {{0, 0, 0}, {1, 0, 0.4}}, .dimensions = 2, .gravity = {0, 0, -g}},
+      EnergyLedger{}};
+  column.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
+  column.add_wall(Plane{{0, 0, 0}, {1, 0, 0}});
+  column.fill([](const Vec3d& x) { return x.x < 0.1 && x.z < 0.2; });
+  column.run(0.06);
+  const LiquidBalance e = column.energy();
+  CHECK(e.kinetic > 0.02 * e.initial);
+  CHECK(std::abs(e.residual()) < 1e-4 * e.initial);
+}
+
 TEST_CASE("SPH ledger: what a body gets the liquid loses") {
   const double spacing = 0.0125;
   Sph liquid{
@@ -286,7 +309,7 @@ TEST_CASE("SPH ledger: what a body gets the liquid loses") {
   Particles<Sphere> more;
   more.add({.position = {0.1, 0, 0.1}, .radius = R, .density = 1000});
   sim.add(more);
-  sim.run(2e-4);  // a step of the liquid
+  sim.run(5e-4);  // a step of the liquid
   const LiquidBalance after = sim.fluid().energy();
   CHECK(after.displaced == near(held - after.held()).epsilon(0.02));
   CHECK(std::abs(after.residual()) < 1e-4 * std::abs(e.bodies));

@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 
 #include "near.hpp"
@@ -72,24 +73,27 @@ struct Box3 {
 
 /// Every sum as its formula stands, one pair after the other.
 template <class Kernel, class Viscosity, class Diffusion>
-detail::SphRates plain(const Box3& box, std::size_t a, const Viscosity& viscosity,
-                       const Diffusion& diffusion, const Vec3d& g) {
+std::pair<detail::SphRates, detail::SphGrowth> plain(const Box3& box, std::size_t a,
+                                                     const Viscosity& viscosity,
+                                                     const Diffusion& diffusion, const Vec3d& g) {
   const auto& rows = box.packed.columns.rows;
   const SphRow& A = rows[a];
   const double h = box.h, m = box.mass, norm_a = Kernel::normalisation(box.dimensions, h);
   detail::SphRates sum{{0, 0, 0}, 0, {0, 0, 0}, 0};
+  detail::SphGrowth growth;
   box.for_neighbours(a, [&](std::size_t b, const Vec3d& r) {
     const SphRow& B = rows[b];
     const double r2 = dot(r, r), eta2 = 0.01 * h * h;
     const Vec3d slope = (norm_a / (h * h) * Kernel::slope(std::sqrt(r2) / h)) * r;
     const Vec3d v = A.velocity() - B.velocity();
     const double V = m / B.density;
-    double both = A.pressure + B.pressure, growth = A.density * V * dot(v, slope);
+    double both = A.pressure + B.pressure, grows = A.density * V * dot(v, slope);
     if (box.packed.columns.kind[b] == ClusterLists::Wall) {
-      growth += A.density * V * dot(box.sticking[b], slope);
-      if (both < 0) both = 0, growth = std::max(growth, 0.0);
+      grows += A.density * V * dot(box.sticking[b], slope);
+      both = std::max(both, 0.0);
+      growth.parting += std::min(grows, 0.0), grows = std::max(grows, 0.0);
     }
-    sum.density += growth;
+    growth.density += grows, sum.density += grows;
     sum.acceleration -= (m * both / (A.density * B.density)) * slope;
     if constexpr (Viscosity::artificial) {
       const double vr = dot(v, r), mean = 0.5 * (A.density + B.density);
@@ -109,7 +113,7 @@ detail::SphRates plain(const Box3& box, std::size_t a, const Viscosity& viscosit
       }
     sum.slope += V * slope, sum.divergence -= V * dot(r, slope);
   });
-  return sum;
+  return {sum, growth};
 }
 
 /// `close`: of the largest of each sum.
@@ -126,11 +130,18 @@ void compare(int dimensions, const Viscosity& viscosity, const Diffusion& diffus
   c.brief.resize(c.size());
   if constexpr (Pairs::mixed) pairs.shorten(c.rows, c.volume, c.brief);
   for (std::size_t p = 0; p < liquid; ++p)
-    pairs.of_liquid(p, c.rows, c.volume, box.packed.lists, c.rates, c.brief, box.sticking);
-  double worst = 0, largest = 0, worst_rate = 0, largest_rate = 0;
+    pairs.of_liquid(p, c.rows, c.volume, box.packed.lists, c.rates, c.growth, c.brief,
+                    box.sticking);
+  double worst = 0, largest = 0, worst_rate = 0, largest_rate = 0, worst_growth = 0;
+  std::vector<detail::SphGrowth> alone(Pairs::W);
   for (std::size_t a = 0; a < liquid * Pairs::W; a += 13) {
     if (!box.packed.is_there(a)) continue;
-    const auto want = plain<Kernel>(box, a, viscosity, diffusion, g);
+    const auto [want, growth] = plain<Kernel>(box, a, viscosity, diffusion, g);
+    pairs.growth_of_liquid(a / Pairs::W, c.rows, c.volume, box.packed.lists, alone, c.brief,
+                           box.sticking);
+    for (const detail::SphGrowth& one : {c.growth[a], alone[a % Pairs::W]})
+      worst_growth = std::max({worst_growth, std::abs(growth.density - one.density),
+                               std::abs(growth.parting - one.parting)});
     worst = std::max(worst, norm(want.acceleration - c.rates[a].acceleration));
     largest = std::max(largest, norm(want.acceleration));
     worst_rate = std::max(worst_rate, std::abs(want.density - c.rates[a].density));
@@ -140,6 +151,7 @@ void compare(int dimensions, const Viscosity& viscosity, const Diffusion& diffus
   }
   CHECK(worst < close * largest);
   CHECK(worst_rate < close * largest_rate);
+  CHECK(worst_growth < close * largest_rate);
   // Floats that gave doubles would be no floats.
   if (Pairs::mixed) CHECK(worst > 1e-10 * largest);
 }
@@ -259,7 +271,7 @@ double momentum_left() {
   c.brief.resize(c.size());
   if constexpr (Pairs::mixed) pairs.shorten(c.rows, c.volume, c.brief);
   for (std::size_t p = 0; p < box.packed.lists.packs(); ++p)
-    pairs.of_liquid(p, c.rows, c.volume, box.packed.lists, c.rates, c.brief);
+    pairs.of_liquid(p, c.rows, c.volume, box.packed.lists, c.rates, c.growth, c.brief);
   for (std::size_t k = 0; k < c.size(); ++k)
     if (box.packed.is_there(k))
       sum += c.rates[k].acceleration, size += norm(c.rates[k].acceleration);
@@ -287,7 +299,7 @@ TEST_CASE("SPH diffusion of density is a diffusion: some 0.94 of the Laplacian, 
   const Pairs pairs(box.constants<WendlandC2>(), {}, {.delta = 0.1});
   double along = 0, of = 0;
   for (std::size_t p = 0; p < box.packed.lists.packs(); ++p)
-    pairs.of_liquid(p, c.rows, c.volume, box.packed.lists, c.rates);
+    pairs.of_liquid(p, c.rows, c.volume, box.packed.lists, c.rates, c.growth);
   for (std::size_t m = 0; m < c.size(); ++m) {
     if (!box.packed.is_there(m)) continue;
     const double wave = std::cos(k * c.rows[m].x);
@@ -310,7 +322,7 @@ TEST_CASE(
     for (std::size_t m = 0; m < c.size(); ++m) c.volume[m] = box.mass / c.rows[m].density;
     const Pairs pairs(box.constants<WendlandC2>(g), {}, diffusion);
     for (std::size_t p = 0; p < box.packed.lists.packs(); ++p)
-      pairs.of_liquid(p, c.rows, c.volume, box.packed.lists, c.rates);
+      pairs.of_liquid(p, c.rows, c.volume, box.packed.lists, c.rates, c.growth);
     double most = 0;
     for (std::size_t m = 0; m < c.size(); ++m)
       if (box.packed.is_there(m) && std::abs(c.rows[m].z - 10 * spacing) < 5 * spacing)
@@ -333,7 +345,7 @@ TEST_CASE("SPH: viscosity of a shear flow is the liquid's to some 2 %") {
   const Pairs pairs(box.constants<WendlandC2>(), {.kinematic = nu, .alpha = 0}, {});
   double along = 0, of = 0;
   for (std::size_t p = 0; p < box.packed.lists.packs(); ++p)
-    pairs.of_liquid(p, c.rows, c.volume, box.packed.lists, c.rates);
+    pairs.of_liquid(p, c.rows, c.volume, box.packed.lists, c.rates, c.growth);
   for (std::size_t m = 0; m < c.size(); ++m) {
     if (!box.packed.is_there(m)) continue;
     const double wave = std::cos(k * c.rows[m].z);

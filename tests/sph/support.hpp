@@ -30,6 +30,7 @@ struct Packed {
                         },
                         team),
                     team);
+    columns.growth.resize(columns.size());
     lists.find(columns.rows, reach, team);
   }
   bool is_there(std::size_t k) const { return columns.label[k] != ClusterLists::none; }

@@ -28,6 +28,9 @@ struct SphColumns {
   // friction (SphPairs).
   AlignedVector<Vec3d> sticking;
   AlignedVector<SphRates> rates;
+  // Of the last sums; with LeapfrogTime between steps those at the end of the step, with diffusion.
+  AlignedVector<SphGrowth> growth;
+  AlignedVector<SphImage> images;  // of the rows of probes, from the first on
   // With UnresolvedGrains, else empty: void fraction [-] at a particle, its share of a particle's
   // mass, and how full its kernel is (div r over dimensions).
   AlignedVector<double> voidage, share, fullness;
@@ -45,6 +48,7 @@ struct SphColumns {
     rows.push_back(row), start.push_back(row);
     kind.push_back(static_cast<char>(of_kind)), label.push_back(number);
     if (!voidage.empty()) voidage.push_back(1), share.push_back(1), fullness.push_back(0);
+    if (!growth.empty()) growth.push_back({});
   }
   void take_out(std::size_t k) {
     kind[k] = static_cast<char>(ClusterLists::Gone), label[k] = ClusterLists::none;
@@ -57,6 +61,7 @@ struct SphColumns {
     if (!voidage.empty())
       for (auto* const of : {&voidage, &share, &fullness})
         permute(*of, spare_.numbers, order, 1.0, team);
+    if (!growth.empty()) permute(growth, spare_.growth, order, SphGrowth{}, team);
     make_room(volume, size()), make_room(rates, size());
   }
   double share_of(std::size_t k) const { return share.empty() ? 1 : share[k]; }
@@ -65,8 +70,10 @@ struct SphColumns {
     return (rows.capacity() + start.capacity() + spare_.rows.capacity()) * sizeof(SphRow) +
            2 * kind.capacity() + 2 * label.capacity() * sizeof(std::uint32_t) +
            (volume.capacity() + 4 * voidage.capacity()) * sizeof(double) +
-           (sticking.capacity() * sizeof(Vec3d)) + rates.capacity() * sizeof(SphRates) +
-           brief.capacity() * sizeof(SphBrief) + stress.capacity() * sizeof(SphStress);
+           (growth.capacity() + spare_.growth.capacity()) * sizeof(SphGrowth) +
+           images.capacity() * sizeof(SphImage) + (sticking.capacity() * sizeof(Vec3d)) +
+           rates.capacity() * sizeof(SphRates) + brief.capacity() * sizeof(SphBrief) +
+           stress.capacity() * sizeof(SphStress);
   }
 
  private:
@@ -87,6 +94,7 @@ struct SphColumns {
     DynArray<char> kind;
     DynArray<std::uint32_t> label;
     AlignedVector<double> numbers;
+    AlignedVector<SphGrowth> growth;
   } spare_;
 };
 

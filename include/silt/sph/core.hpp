@@ -20,6 +20,7 @@
 #include <silt/sph/columns.hpp>
 #include <silt/sph/driven_walls.hpp>
 #include <silt/sph/dry_gaps.hpp>
+#include <silt/sph/growth_sums.hpp>
 #include <silt/sph/lattice_sites.hpp>
 #include <silt/sph/ledger.hpp>
 #include <silt/sph/liquid_check.hpp>
@@ -101,6 +102,7 @@ struct SphCore {
   bool fresh = true;   // lists are new: rows of solids have no values yet
   bool known = false;  // rates are those of the present state
   bool made = false;   // solids are in the columns
+  bool begun = false;  // with LeapfrogTime: growth and extremes of an earlier step are known
   [[no_unique_address]] Book book{};
   struct {
     double radius = 0, mass = 0, of_disc = 0;  // [m], [kg]
@@ -127,19 +129,23 @@ struct SphCore {
         setup.region.min,
         {setup.periodic[0] ? e.x : 0, setup.periodic[1] ? e.y : 0, setup.periodic[2] ? e.z : 0}};
   }
-  /// Without diffusion of density nothing damps the noise that long steps make.
+  /// SymplecticTime amplifies sound, more in long steps; without diffusion of density nothing damps
+  /// it.
   void choose_courant() {
-    constexpr bool long_steps = Time::two_stages && Diffusion::diffuses;
-    if (setup.courant == 0) setup.courant = long_steps ? SphSetup::usual_courant : 0.2;
+    if (setup.courant == 0)
+      setup.courant = Time::leaps                               ? SphSetup::usual_courant
+                      : Time::two_stages && Diffusion::diffuses ? 0.3
+                                                                : 0.2;
+    if constexpr (Time::leaps) return;
+    require(setup.courant <= Time::most_courant, "SphSetup.courant = ", setup.courant,
+            " is too long for ", Time::policy_name, ", which was tested up to ", Time::most_courant,
+            "; use at most that, or LeapfrogTime");
     if constexpr (Time::two_stages && !Diffusion::diffuses)
       require(setup.courant <= 0.2, "SphSetup.courant = ", setup.courant,
-              " is too long for NoDiffusion, without which noise grows; use at most 0.2, or "
-              "Fourtakas");
+              " is too long for SymplecticTime with NoDiffusion, where noise grows; use at most "
+              "0.2, or LeapfrogTime or Fourtakas");
   }
   void check_verlet() const requires(!Time::two_stages) {
-    require(setup.courant <= 0.2, "SphSetup.courant = ", setup.courant,
-            " is too long for VerletTime, which was tested up to 0.2; use at most that, or "
-            "SymplecticTime");
     const double longest = Time::longest / setup.courant;
     require(scheme.restart <= longest, "VerletTime.restart = ", scheme.restart,
             " steps at SphSetup.courant = ", setup.courant,
@@ -239,6 +245,8 @@ struct SphCore {
     return std::nullopt;
   }
 
+  Slip slip() const { return setup.slip.value_or(Viscosity::laminar ? Slip::None : Slip::Free); }
+
   /// @name What a step goes by
   /// @{
   SphConstants constants() const {
@@ -256,30 +264,81 @@ struct SphCore {
   /// For mixed precision: converts rows for the pair sums, all or those of some packs.
   void shorten(const Pairs& pairs, const Team& team) { shorten(pairs, 0, lists.packs(), team); }
   template <class Seen = Always>
-  void shorten([[maybe_unused]] const Pairs& pairs, [[maybe_unused]] std::size_t first,
-               [[maybe_unused]] std::size_t last, [[maybe_unused]] const Team& team,
-               [[maybe_unused]] const Seen& is_seen = {}) {
+  void shorten(const Pairs& pairs, std::size_t first, std::size_t last, const Team& team,
+               const Seen& is_seen = {}) {
+    for_brief(first, last, team, is_seen, [&](const auto& part) {
+      pairs.shorten(part(columns.rows), part(columns.volume), part(columns.brief));
+    });
+  }
+  template <class Seen>
+  void shorten_velocities(const Pairs& pairs, std::size_t first, std::size_t last, const Team& team,
+                          const Seen& is_seen) {
+    for_brief(first, last, team, is_seen, [&](const auto& part) {
+      pairs.shorten_velocities(part(columns.rows), part(columns.brief));
+    });
+  }
+  /// use(part) with part(column) the span of a pack.
+  template <class Seen, class Use>
+  void for_brief([[maybe_unused]] std::size_t first, [[maybe_unused]] std::size_t last,
+                 [[maybe_unused]] const Team& team, [[maybe_unused]] const Seen& is_seen,
+                 [[maybe_unused]] const Use& use) {
     if constexpr (Pairs::mixed) {
       constexpr std::size_t W = Pairs::W;
       make_room(columns.brief, columns.size());
-      team.for_ranges(
-          last - first, Lists::packs_a_range, [&](std::size_t, std::size_t from, std::size_t to) {
-            for (std::size_t p = first + from; p < first + to; ++p) {
-              const auto part = [&](auto& of) { return std::span(of).subspan(p * W, W); };
-              if (is_seen(p))
-                pairs.shorten(part(columns.rows), part(columns.volume), part(columns.brief));
-            }
-          });
+      team.for_ranges(last - first, Lists::packs_a_range,
+                      [&](std::size_t, std::size_t from, std::size_t to) {
+                        for (std::size_t p = first + from; p < first + to; ++p)
+                          if (is_seen(p))
+                            use([p](auto& of) { return std::span(of).subspan(p * W, W); });
+                      });
+    }
+  }
+  /// Adds to the rate of density in row k what parting from walls and bodies takes within `span`
+  /// [s] from a density `from` [kg/m3].
+  void part(std::size_t k, double from, double parting, double span) {
+    double& rate = columns.rates[k].density;
+    const double taken = sph_parting(from, rate, parting, liquid.density, span);
+    if constexpr (Book::kept) book.parted[k] = parting < 0 ? taken / parting : 1;
+    rate += taken;
+  }
+  /// Whether a particle has so few neighbours that it takes no tension.
+  bool is_loose([[maybe_unused]] const SphRates& rate) const {
+    if constexpr (Shift::shifts || asks_fullness)
+      return rate.divergence < 0.4 * setup.dimensions;
+    else
+      return false;
+  }
+  /// With LeapfrogTime, after the sums: no tension in the first half of the next step either.
+  void keep_growth(std::size_t k) {
+    if (columns.is_liquid(k) && is_loose(columns.rates[k]))
+      columns.growth[k] = {std::max(columns.growth[k].density, 0.0), 0};
+  }
+  /// Finds what the next step begins with.
+  void find_start(const Team& team) {
+    if constexpr (Time::leaps) {
+      if (begun) {
+        // Rows were added or removed, which the first half of the step goes over.
+        if (stale) renew(team);
+        return;
+      }
+      find_rates(team), begun = true;
+      for (std::size_t k = 0; k < columns.size(); ++k)
+        columns.growth[k].density = columns.rates[k].density, keep_growth(k);
+    } else {
+      find_rates(team);
     }
   }
   double stable_step() const { return stable_step(setup.courant); }
   double stable_step(double courant) const {
+    constexpr double most_of_fall = 0.5;  // [-] a particle moves by half its square times h
     const double h = setup.h();
-    double dt = h / (liquid.sound_speed + most.pair);
-    if (most.acceleration > 0) dt = std::min(dt, std::sqrt(h / most.acceleration));
-    return std::min(courant * dt, viscosity.longest_step(h));
+    double dt = courant * h / (liquid.sound_speed + most.pair);
+    if (most.acceleration > 0)
+      dt = std::min(dt, std::min(courant, most_of_fall) * std::sqrt(h / most.acceleration));
+    return std::min(dt, viscosity.longest_step(h));
   }
 
+  void renew(const Team& team) { sph_renew(*this, team), move_walls(), place_solids(true, team); }
   /// Computes the rates at the present positions, unless they are known.
   void find_rates(const Team& team) {
     if (known) return;
@@ -288,7 +347,7 @@ struct SphCore {
     bool renews = stale;
     if (stand) move_walls(), renews = renews || !sph_lists_hold(*this, team);
     if (stand && (!renews || !sph_chooses_solids<SphCore>)) place_solids(renews, team);
-    if (renews) sph_renew(*this, team), move_walls(), place_solids(true, team);
+    if (renews) renew(team);
     const Pairs pairs = this->pairs();
     if constexpr (Grains::averaged)
       sph_book_voidage(*this, [&] {
@@ -306,12 +365,14 @@ struct SphCore {
     find_stresses(team);
     constexpr std::size_t W = Pairs::W, per = 16;
     const std::size_t packs = lists.first_pack(Lists::Wall);
+    columns.growth.resize(columns.size());
     DynArray<Extremes> of_parts(pieces(packs, per));
     team.for_parts(of_parts.size(), [&](std::size_t part) {
       Extremes& m = of_parts[part];
       for (std::size_t p = part * per; p < std::min(packs, (part + 1) * per); ++p) {
-        m.pair = std::max(m.pair, pairs.of_liquid(p, columns.rows, columns.volume, lists,
-                                                  columns.rates, columns.brief, columns.sticking));
+        m.pair =
+            std::max(m.pair, pairs.of_liquid(p, columns.rows, columns.volume, lists, columns.rates,
+                                             columns.growth, columns.brief, columns.sticking));
         if constexpr (turbulent)
           sps().accelerate(p, W, columns.rows, columns.volume, columns.stress, lists, columns.rates,
                            true);
@@ -386,11 +447,14 @@ struct SphCore {
   /// One step, by the policy of time integration.
   void step(double dt, const Team& team) {
     setup.check_gravity(gravity);  // it may have been changed, or come from a Simulation
-    find_rates(team);
+    find_start(team);
     if (steps == 0) sph_check_sound(*this);
+    sph_follow_gravity(*this);
     sph_begin_book(*this);
-    if constexpr (Book::kept) book.unheld.assign(columns.size(), liquid.density);
-    if constexpr (Time::two_stages)
+    if constexpr (Book::kept) sph_size_book(*this);
+    if constexpr (Time::leaps)
+      SphStep(*this, dt, team).leapfrog();
+    else if constexpr (Time::two_stages)
       SphStep(*this, dt, team).symplectic();
     else
       SphStep(*this, dt, team).verlet();

@@ -71,6 +71,9 @@ struct SphBook {
     Vec3d gravity{0, 0, 0};  // [m/s2] used by the ledger
   } now;
   DynArray<double> unheld;  // [kg/m3] densities of rows before removal of tension
+  DynArray<double> parted;  // [-] share of SphGrowth::parting that acted on a row
+  // [m/s] LeapfrogTime: `sticking` of SphColumns with the velocities at the start of the step.
+  AlignedVector<Vec3d> stuck;
 
   bool started() const { return now.started != 0; }
   using State = std::array<double, sizeof(Numbers) / sizeof(double)>;
@@ -180,6 +183,25 @@ double sph_elastic(const Core& core) {
                                                                  : core.columns.rows[k].density);
   return sum;
 }
+/// LeapfrogTime: keeps the velocities of walls and bodies with which the forces were computed.
+template <class Core>
+void sph_note_velocities(Core& core) {
+  if constexpr (Core::Book::kept) {
+    auto& of = core.columns;
+    for (std::size_t k = core.lists.first_pack(Core::Lists::Wall) * Core::Pairs::W; k < of.size();
+         ++k)
+      of.start[k].move(of.rows[k].velocity());
+    core.book.stuck = of.sticking;
+  }
+}
+/// [m/s] Part of the velocity of a solid's row that only friction uses, mean over the step.
+template <class Core>
+Vec3d sph_sticking(const Core& core, std::size_t row) {
+  const auto& now = core.columns.sticking;
+  if (now.empty()) return {0, 0, 0};
+  if constexpr (Core::Time::leaps) return 0.5 * (now[row] + core.book.stuck[row]);
+  return now[row];
+}
 /// [W] with the rates just computed.
 template <class Core>
 SphPowers sph_powers(Core& core, const Team& team) {
@@ -189,12 +211,16 @@ SphPowers sph_powers(Core& core, const Team& team) {
   constexpr std::size_t W = Core::Pairs::W, per = 16;
   auto& of = core.columns;
   const std::size_t packs = core.lists.first_pack(Lists::Wall), first = packs * W;
+  // LeapfrogTime has the velocities of the end in `rows`, and those of the start in `start`.
+  const auto& then = Core::Time::leaps ? of.start : of.rows;
+  const auto velocity = [&](std::size_t k) {
+    return 0.5 * (of.rows[k].velocity() + then[k].velocity());
+  };
   DynArray<typename Sums::Surface> surfaces(of.size() - first);
   for (std::size_t k = 0; k < core.solids.size(); ++k) {
     if (!core.solids.has_row(k)) continue;
     const std::size_t row = core.solids.wall_row[k];
-    surfaces[row - first] = {core.solids.own_velocity(k),
-                             of.sticking.empty() ? Vec3d{0, 0, 0} : of.sticking[row],
+    surfaces[row - first] = {core.solids.own_velocity(k), sph_sticking(core, row),
                              core.solids.is_wall(k) ? 0.0 : 1.0};
   }
   const Sums sums(core.constants(), core.viscosity, core.diffusion);
@@ -202,7 +228,7 @@ SphPowers sph_powers(Core& core, const Team& team) {
   team.for_parts(parts.size(), [&](std::size_t part) {
     for (std::size_t p = part * per; p < std::min(packs, (part + 1) * per); ++p)
       sums.add(
-          p, W, of.rows, of.volume, surfaces, first, core.lists,
+          p, W, of.rows, then, of.volume, core.book.parted, surfaces, first, core.lists,
           [&](std::size_t k) { return core.mass_of(k); }, parts[part]);
   });
   SphPowers all;
@@ -218,7 +244,7 @@ SphPowers sph_powers(Core& core, const Team& team) {
         });
     for (std::size_t k = 0; k < first; ++k)
       if (of.label[k] != Lists::none)
-        all.turbulent += core.mass_of(k) * dot(of.rows[k].velocity(), by[k].acceleration);
+        all.turbulent += core.mass_of(k) * dot(velocity(k), by[k].acceleration);
     for (std::size_t k = 0; k < core.solids.size(); ++k) {
       if (!core.solids.has_row(k)) continue;
       const std::size_t row = core.solids.wall_row[k];
@@ -233,12 +259,18 @@ SphPowers sph_powers(Core& core, const Team& team) {
     for (std::size_t k = 0; k < first; ++k) {
       if (of.label[k] == Lists::none) continue;
       const SphRow& r = of.rows[k];
-      pairs += core.mass_of(k) * (dot(r.velocity(), of.rates[k].acceleration - core.gravity) +
+      pairs += core.mass_of(k) * (dot(velocity(k), of.rates[k].acceleration - core.gravity) +
                                   r.pressure / (r.density * r.density) * of.rates[k].density);
     }
     all.grains = pairs - all.sum();
   }
   return all;
+}
+/// When rows may have been rearranged.
+template <class Core>
+void sph_size_book(Core& core) {
+  core.book.unheld.assign(core.columns.size(), core.liquid.density);
+  core.book.parted.assign(core.columns.size(), 1);
 }
 /// Before a step; the first one starts the ledger.
 template <class Core>
@@ -253,8 +285,6 @@ void sph_begin_book(Core& core) {
 template <class Core>
 void sph_book_middle(Core& core, double dt, const Team& team) {
   if constexpr (Core::Book::kept) {
-    // rows may have been rearranged
-    core.book.unheld.assign(core.columns.size(), core.liquid.density);
     core.book.now.worked.add(dt, sph_powers(core, team));
   }
 }

@@ -41,7 +41,8 @@ struct SphPowers {
 ///
 ///   work        f.u
 ///   viscosity   f.(v_a - u)
-///   mirrored    pressure's f.(v_a - u) + V_a P_a V_b (v_a - v_b).grad W, v_b without `sticking`
+///   mirrored    pressure's f.(v_a - u) + V_a P_a V_b (v_a - v_b).grad W, v_b without `sticking`,
+///               and of a parting pair the share `parted` that acted
 ///
 /// The last one is 0 if v_b - u = u - v_a across the surface and P_b = P_a.
 template <class Kernel, class Viscosity, class Diffusion, class Arch = DefaultArch>
@@ -66,14 +67,16 @@ class SphPowerSums {
   }
 
   /// Adds the powers of a pack of `width`; `mass_of(k)` [kg]; `surfaces` of the rows from `first`
-  /// on.
+  /// on. Viscosities act with the velocities in `then`, and all forces work on the mean of those
+  /// and the velocities in `rows`.
   template <class MassOf>
   void add(std::size_t pack, std::size_t width, std::span<const SphRow> rows,
-           std::span<const double> volume, std::span<const Surface> surfaces, std::size_t first,
+           std::span<const SphRow> then, std::span<const double> volume,
+           std::span<const double> parted, std::span<const Surface> surfaces, std::size_t first,
            const ClusterLists& lists, const MassOf& mass_of, SphPowers& to) const {
     for (std::size_t l = 0; l < width; l += lanes) {
       const std::size_t row = pack * width + l, n = std::min(lanes, width - l);
-      const Sums s = sums(row, n, rows, volume, surfaces, first, lists, pack);
+      const Sums s = sums(row, n, rows, then, volume, parted, surfaces, first, lists, pack);
       const Real all[count] = {s.artificial, s.laminar,  s.diffusion, s.walls,
                                s.bodies,     s.at_walls, s.at_bodies};
       alignas(64) double of[count][lanes];
@@ -97,17 +100,25 @@ class SphPowerSums {
     Real artificial = Real(0), laminar = Real(0), diffusion = Real(0), walls = Real(0),
          bodies = Real(0), at_walls = Real(0), at_bodies = Real(0);
   };
+  static Vec3d mean(const SphRow& a, const SphRow& b) {
+    return 0.5 * (a.velocity() + b.velocity());
+  }
   Sums sums(std::size_t row, std::size_t n, std::span<const SphRow> rows,
-            std::span<const double> volume, std::span<const Surface> surfaces, std::size_t first,
+            std::span<const SphRow> then, std::span<const double> volume,
+            std::span<const double> parted, std::span<const Surface> surfaces, std::size_t first,
             const ClusterLists& lists, std::size_t pack) const {
-    alignas(64) double of[8][lanes];
+    alignas(64) double of[12][lanes];
     for (std::size_t l = 0; l < lanes; ++l) {
-      const SphRow& r = rows[row + std::min(l, n - 1)];
-      const double values[8] = {r.x, r.y, r.z, r.vx, r.vy, r.vz, r.density, r.pressure};
-      for (std::size_t c = 0; c < 8; ++c) of[c][l] = values[c];
+      const SphRow &r = rows[row + std::min(l, n - 1)], &t = then[row + std::min(l, n - 1)];
+      const Vec3d w = mean(r, t);
+      const double values[12] = {r.x,  r.y,  r.z,       w.x,
+                                 w.y,  w.z,  r.density, r.pressure,
+                                 t.vx, t.vy, t.vz,      parted[row + std::min(l, n - 1)]};
+      for (std::size_t c = 0; c < 12; ++c) of[c][l] = values[c];
     }
-    const auto x = load3<Real>(of[0], of[1], of[2]), v = load3<Real>(of[3], of[4], of[5]);
-    const Real rho = load<Real>(of[6]), P = load<Real>(of[7]);
+    const auto x = load3<Real>(of[0], of[1], of[2]), v = load3<Real>(of[3], of[4], of[5]),
+               v_then = load3<Real>(of[8], of[9], of[10]);
+    const Real rho = load<Real>(of[6]), P = load<Real>(of[7]), share = load<Real>(of[11]);
     Sums s;
     const auto meet = [&](const ClusterLists::Entry& entry, auto solid) {
       const SphRow& b = rows[entry.row()];
@@ -116,12 +127,16 @@ class SphPowerSums {
       const Real r2 = dx * dx + dy * dy + dz * dz;
       const Real Vf = Real(volume[entry.row()]) * Kernel::slope(Real(sqrt(r2) * Real(over_h_)));
       const Real mf = Real(b.density) * Vf;
-      const Real ux = v.x - Real(b.vx), uy = v.y - Real(b.vy), uz = v.z - Real(b.vz);
-      const Real along = ux * dx + uy * dy + uz * dz;
+      const SphRow& t = then[entry.row()];
+      const Vec3d of_b_now = mean(b, t);
+      const auto along_of = [&](const Vec3<Real>& a, const Vec3d& other) {
+        return (a.x - Real(other.x)) * dx + (a.y - Real(other.y)) * dy + (a.z - Real(other.z)) * dz;
+      };
+      const Real along = along_of(v, of_b_now), acting = along_of(v_then, t.velocity());
       const Real wide = r2 + Real(small_);
       const Real over = rho * mf / (wide * (rho + Real(b.density)));
-      const Real artificial = Real(damping_) * min(along, Real(0)) * over;  // force over d
-      const Real laminar = Real(drag_) * along * over * wide;
+      const Real artificial = Real(damping_) * min(acting, Real(0)) * over;  // force over d
+      const Real laminar = Real(drag_) * acting * over * wide;
       if constexpr (!decltype(solid)::value) {
         if constexpr (Viscosity::artificial)
           s.artificial = multiply_add(Real(0.5) * artificial, along, s.artificial);
@@ -142,8 +157,8 @@ class SphPowerSums {
         const Real both = P + Real(b.pressure), push = -max(both, Real(0)) * Vf;
         const Vec3d& stuck = of_b.sticking;
         const Real slipping = along + dx * Real(stuck.x) + dy * Real(stuck.y) + dz * Real(stuck.z);
-        const Real parting = select(both < Real(0), min(slipping, Real(0)), slipping);
-        const Real mirrored = push * d_w + P * Vf * parting;
+        const Real mirrored =
+            push * d_w + P * Vf * (min(slipping, Real(0)) + share * max(slipping, Real(0)));
         Real work = push * d_u;
         if constexpr (Viscosity::artificial) {
           s.artificial = multiply_add(artificial, d_w, s.artificial);

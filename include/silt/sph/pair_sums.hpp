@@ -57,7 +57,8 @@ constexpr std::size_t sph_width() {
 ///
 /// Walls and bodies only push: next to them P_a + P_b is at least 0. Otherwise a thin film would be
 /// drawn to a wall, as its density is inaccurate. Where tension is omitted, the decrease of density
-/// by separation from the wall is omitted too. Otherwise liquid would store the energy of a tension
+/// by separation from the wall is omitted too: it is summed apart (SphGrowth::parting), and lowers
+/// a density at most to rho_0 (sph_parting). Otherwise liquid would store the energy of a tension
 /// without work, and thin films became unstable.
 ///
 /// The density uses a slip velocity at no-slip walls: v_b without `sticking`, the part that only
@@ -129,24 +130,55 @@ class SphPairs {
     }
   }
 
+  /// Only the velocities.
+  void shorten_velocities(std::span<const SphRow> rows, std::span<SphBrief> out) const {
+    const double speed = 1 / speed_;
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const SphRow& r = rows[k];
+      SphBrief& b = out[k];
+      b.vx = Scalar(speed * r.vx), b.vy = Scalar(speed * r.vy), b.vz = Scalar(speed * r.vz);
+    }
+  }
+
   /// Computes the rates of a pack; returns the largest |h v.r/(r^2 + (0.1 h)^2)| [m/s].
   double of_liquid(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
-                   const ClusterLists& lists, std::span<SphRates> out,
+                   const ClusterLists& lists, std::span<SphRates> out, std::span<SphGrowth> growth,
                    std::span<const SphBrief> brief = {},
                    std::span<const Vec3d> sticking = {}) const {
     const Own own = own_of(pack, rows, brief);
     Totals totals;
     add<true>(own, rows, volume, brief, {}, lists, lists.liquid(pack), totals);
     add<false>(own, rows, volume, brief, sticking, lists, lists.walls(pack), totals);
+    put_growth(rows.data() + pack * W, totals, growth.data() + pack * W);
     return put(rows.data() + pack * W, totals, out.data() + pack * W);
+  }
+  /// Only `growth`, of the pack.
+  void growth_of_liquid(std::size_t pack, std::span<const SphRow> rows,
+                        std::span<const double> volume, const ClusterLists& lists,
+                        std::span<SphGrowth> out, std::span<const SphBrief> brief = {},
+                        std::span<const Vec3d> sticking = {}) const {
+    const Own own = own_of(pack, rows, brief);
+    Totals totals;
+    add<true, true>(own, rows, volume, brief, {}, lists, lists.liquid(pack), totals);
+    add<false, true>(own, rows, volume, brief, sticking, lists, lists.walls(pack), totals);
+    put_growth(rows.data() + pack * W, totals, out.data());
+  }
+  void growth_of_wall(std::size_t pack, std::span<const SphRow> rows,
+                      std::span<const double> volume, const ClusterLists& lists,
+                      std::span<SphGrowth> out, std::span<const SphBrief> brief = {}) const {
+    const Own own = own_of(pack, rows, brief);
+    Totals totals;
+    add<false, true>(own, rows, volume, brief, {}, lists, lists.liquid(pack), totals);
+    put_growth(rows.data() + pack * W, totals, out.data());
   }
   /// The same for particles of walls, which interact only with the liquid.
   double of_wall(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
-                 const ClusterLists& lists, std::span<SphRates> out,
+                 const ClusterLists& lists, std::span<SphRates> out, std::span<SphGrowth> growth,
                  std::span<const SphBrief> brief = {}) const {
     const Own own = own_of(pack, rows, brief);
     Totals totals;
     add<false>(own, rows, volume, brief, {}, lists, lists.liquid(pack), totals);
+    put_growth(rows.data() + pack * W, totals, growth.data() + pack * W);
     return put(rows.data() + pack * W, totals, out.data() + pack * W);
   }
 
@@ -158,6 +190,14 @@ class SphPairs {
       Look::look(with..., lists, lists.liquid(pack), units(), out.data() + lane / seen_width);
     });
   }
+  /// V W v [m/s] of the liquid around them.
+  void look_at_velocity(std::size_t pack, std::span<const SphRow> rows,
+                        std::span<const double> volume, const ClusterLists& lists,
+                        std::span<Vec3d> out, std::span<const SphBrief> brief = {}) const {
+    use_probes(pack, rows, volume, brief, [&]<class Look>(Look, std::size_t lane, auto... with) {
+      Look::look_at_velocity(with..., lists, lists.liquid(pack), units(), out.data() + lane);
+    });
+  }
   void look_at_level(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
                      const ClusterLists& lists, std::span<SphLevel> out,
                      std::span<const SphBrief> brief = {}) const {
@@ -167,7 +207,7 @@ class SphPairs {
   }
 
  private:
-  static constexpr std::size_t chunk = 128, sums = 9;
+  static constexpr std::size_t chunk = 128, sums = 10;
   using Probes = SphProbes<Kernel, Scalar, mixed ? W : seen_width, seen_width>;
   using ProbeUnits = typename Probes::Units;
   ProbeUnits units() const {
@@ -242,14 +282,22 @@ class SphPairs {
   }
   struct Sums {
     Vec3<Real> push{Real(0), Real(0), Real(0)}, slope{Real(0), Real(0), Real(0)};
-    Real spread = Real(0), diffusion = Real(0), divergence = Real(0), fastest = Real(0);
+    Real spread = Real(0), parting = Real(0), diffusion = Real(0), divergence = Real(0),
+         fastest = Real(0);
   };
+  static constexpr std::size_t spread = 3, parting = 9;  // their places in Totals
   struct alignas(64) Totals {
     double of[sums][W] = {};
     double fastest = 0;
+    void add_growth(const Sums& s) {
+      alignas(64) Scalar values[W], apart[W];
+      store(values, s.spread), store(apart, s.parting);
+      for (std::size_t l = 0; l < W; ++l)
+        of[spread][l] += double{values[l]}, of[parting][l] += double{apart[l]};
+    }
     void add(const Sums& s) {
-      const Real all[sums] = {s.push.x,  s.push.y,  s.push.z,  s.spread,    s.diffusion,
-                              s.slope.x, s.slope.y, s.slope.z, s.divergence};
+      const Real all[sums] = {s.push.x,  s.push.y,  s.push.z,  s.spread,     s.diffusion,
+                              s.slope.x, s.slope.y, s.slope.z, s.divergence, s.parting};
       alignas(64) Scalar values[W];
       for (std::size_t k = 0; k < sums; ++k) {
         store(values, all[k]);
@@ -260,22 +308,22 @@ class SphPairs {
     }
   };
 
-  template <bool liquid>
+  template <bool liquid, bool growth = false>
   SILT_INLINE void add(const Own& a, std::span<const SphRow> rows, std::span<const double> volume,
                        std::span<const SphBrief> brief, std::span<const Vec3d> sticking,
                        const ClusterLists& lists, std::span<const ClusterLists::Entry> entries,
                        Totals& totals) const {
     if constexpr (mixed) {
       for (std::size_t k = 0; k < entries.size(); k += chunk)
-        add_some<liquid>(
+        add_some<liquid, growth>(
             a, brief, sticking, lists, entries.subspan(k, std::min(chunk, entries.size() - k)),
             [&](std::size_t row) { return brief[row].volume; }, totals);
     } else if (!entries.empty()) {
-      add_some<liquid>(
+      add_some<liquid, growth>(
           a, rows, sticking, lists, entries, [&](std::size_t row) { return volume[row]; }, totals);
     }
   }
-  template <bool liquid, class Other, class Volume>
+  template <bool liquid, bool growth, class Other, class Volume>
   SILT_INLINE void add_some(const Own& a, std::span<const Other> others,
                             std::span<const Vec3d> sticking, const ClusterLists& lists,
                             std::span<const ClusterLists::Entry> entries, const Volume& volume,
@@ -298,9 +346,15 @@ class SphPairs {
           stuck = {Scalar(v.x), Scalar(v.y), Scalar(v.z)};
         }
       }
-      pair<liquid>(a, now, *one, volume(row), stuck, part);
+      if constexpr (growth)
+        spread_of<liquid>(a, now, *one, volume(row), stuck, part);
+      else
+        pair<liquid>(a, now, *one, volume(row), stuck, part);
     }
-    totals.add(part);
+    if constexpr (growth)
+      totals.add_growth(part);
+    else
+      totals.add(part);
   }
   SILT_INLINE const SphRow* placed(std::span<const SphRow> rows, const ClusterLists& lists,
                                    const ClusterLists::Entry& entry, SphRow& moved) const {
@@ -332,6 +386,26 @@ class SphPairs {
     to.x = x, to.y = y, to.z = z, to.square = square;
     to.f = Kernel::slope(Real(sqrt(square) * Real(over_h_)));
   }
+  /// Adds V f v.r of a pair.
+  template <bool liquid, class Other>
+  SILT_INLINE void spread_of(const Own& a, const Way& way, const Other& b, const Scalar& volume,
+                             const Vec3<Scalar>& stuck, Sums& sum) const {
+    const Real ux = a.v.x - Real(b.vx), uy = a.v.y - Real(b.vy), uz = a.v.z - Real(b.vz);
+    const Real along = ux * way.x + uy * way.y + uz * way.z;
+    add_spread<liquid>(way, Real(volume) * way.f, along, stuck, sum);
+  }
+  template <bool liquid>
+  static SILT_INLINE void add_spread(const Way& way, const Real& Vf, const Real& along,
+                                     [[maybe_unused]] const Vec3<Scalar>& stuck, Sums& sum) {
+    if constexpr (liquid) {
+      sum.spread = multiply_add(Vf, along, sum.spread);
+    } else {
+      const Real slip =
+          along + way.x * Real(stuck.x) + way.y * Real(stuck.y) + way.z * Real(stuck.z);
+      sum.spread = multiply_add(Vf, min(slip, Real(0)), sum.spread);
+      sum.parting = multiply_add(Vf, max(slip, Real(0)), sum.parting);
+    }
+  }
   template <bool liquid, class Other>
   SILT_INLINE void pair(const Own& a, const Way& way, const Other& b, const Scalar& volume,
                         [[maybe_unused]] const Vec3<Scalar>& stuck, Sums& sum) const {
@@ -346,14 +420,8 @@ class SphPairs {
     const Real wide = r2 + Real(small_), both_rho = a.twice + Real(b.density);
     const Real over = Real(1) / (wide * both_rho);
     Real both = a.pressure + Real(b.pressure);
-    if constexpr (liquid) {
-      sum.spread = multiply_add(Vf, along, sum.spread);
-    } else {
-      const Real slipping = along + dx * Real(stuck.x) + dy * Real(stuck.y) + dz * Real(stuck.z);
-      const Real parting = select(both < Real(0), min(slipping, Real(0)), slipping);
-      sum.spread = multiply_add(Vf, parting, sum.spread);
-      both = max(both, Real(0));
-    }
+    add_spread<liquid>(way, Vf, along, stuck, sum);
+    if constexpr (!liquid) both = max(both, Real(0));
     // Acceleration over -slope_/rho_a
     Real k = both * Vf;
     const Real approach = along * over;
@@ -379,13 +447,19 @@ class SphPairs {
     }
   }
 
+  void put_growth(const SphRow* rows, const Totals& t, SphGrowth* out) const {
+    for (std::size_t l = 0; l < W; ++l) {
+      const double unit = slope_ * length_ * speed_ * rows[l].density;
+      out[l] = {unit * t.of[spread][l], unit * t.of[parting][l]};
+    }
+  }
   double put(const SphRow* rows, const Totals& t, SphRates* out) const {
     for (std::size_t l = 0; l < W; ++l) {
       const double rho = rows[l].density,
                    push = -slope_ * length_ * speed_ * speed_ * density_ / rho,
                    slope = slope_ * length_;
       out[l] = {{push * t.of[0][l], push * t.of[1][l], push * t.of[2][l]},
-                slope * speed_ * rho * t.of[3][l] + slope_ * delta_ * t.of[4][l],
+                slope * speed_ * rho * t.of[spread][l] + slope_ * delta_ * t.of[4][l],
                 {slope * t.of[5][l], slope * t.of[6][l], slope * t.of[7][l]},
                 -slope * length_ * t.of[8][l]};
     }

@@ -43,7 +43,7 @@ struct SphPolicies {
       "Sph: a policy is not one of those for SPH: a kernel (WendlandC2, CubicSpline), a "
       "viscosity (ArtificialViscosity, LaminarViscosity, SpsTurbulence, Inviscid), a diffusion "
       "(Fourtakas, MolteniColagrossi, NoDiffusion), Shifting, ShiftingByFastest or NoShifting, "
-      "SymplecticTime or VerletTime, MirroredWalls or DynamicWalls, Double or Mixed, "
+      "LeapfrogTime, SymplecticTime or VerletTime, MirroredWalls or DynamicWalls, Double or Mixed, "
       "UnresolvedGrains, RestoredVolume or DriftingVolume, EnergyLedger");
   template <SphAxis axis>
   static constexpr int count = (0 + ... + int{SphPolicyOf<Ps, axis>});
@@ -81,7 +81,7 @@ struct SphPolicies {
     return one_of<SphAxis::Diffusion>(Fourtakas{}, all...);
   }
   static auto shifting(const Ps&... all) { return one_of<SphAxis::Shifting>(Shifting{}, all...); }
-  static auto time(const Ps&... all) { return one_of<SphAxis::Time>(SymplecticTime{}, all...); }
+  static auto time(const Ps&... all) { return one_of<SphAxis::Time>(LeapfrogTime{}, all...); }
   static auto walls(const Ps&... all) { return one_of<SphAxis::Walls>(MirroredWalls{}, all...); }
   static auto grains(const Ps&... all) { return one_of<SphAxis::Grains>(ResolvedGrains{}, all...); }
   static auto volume(const Ps&... all) { return one_of<SphAxis::Volume>(DriftingVolume{}, all...); }
@@ -94,7 +94,7 @@ struct SphPolicies {
   using Grains = decltype(grains(std::declval<const Ps&>()...));
   using Volume = decltype(volume(std::declval<const Ps&>()...));
   static_assert(!Grains::averaged || Time::two_stages,
-                "Sph: UnresolvedGrains needs SymplecticTime; leave out VerletTime");
+                "Sph: UnresolvedGrains needs LeapfrogTime or SymplecticTime; leave out VerletTime");
   static_assert(
       !Grains::averaged || !Volume::restores,
       "Sph: UnresolvedGrains conserves volume by the void fraction; leave out RestoredVolume");

@@ -44,6 +44,19 @@ struct SphProbes {
     for_parts(entries, [&](const auto& part) { add(here, rows, volume, lists, part, in, all); });
     put(all, in, out);
   }
+  /// V W v.
+  template <class Volume>
+  static void look_at_velocity(const Row* own, std::span<const Row> rows, const Volume& volume,
+                               const ClusterLists& lists,
+                               std::span<const ClusterLists::Entry> entries, const Units& in,
+                               Vec3d* out) {
+    const Here here(own);
+    alignas(64) double all[3][width] = {};
+    for_parts(entries,
+              [&](const auto& part) { add_velocity(here, rows, volume, lists, part, in, all); });
+    const double u = in.weight * in.speed;
+    for (std::size_t l = 0; l < width; ++l) out[l] = {u * all[0][l], u * all[1][l], u * all[2][l]};
+  }
   /// V K'(q)/q r, V W, V W r and V W P, with r from the other to the own.
   template <class Volume>
   static void look_at_level(const Row* own, std::span<const Row> rows, const Volume& volume,
@@ -137,6 +150,23 @@ struct SphProbes {
       w = multiply_add(of, Real(b.vz), w);
     }
     const Real parts[sums] = {n, rho, x, y, z, rx, ry, rz, xx, xy, xz, yy, yz, zz, u, v, w};
+    add_to(all, parts);
+  }
+  template <class Volume>
+  static SILT_INLINE void add_velocity(const Here& here, std::span<const Row> rows,
+                                       const Volume& volume, const ClusterLists& lists,
+                                       std::span<const ClusterLists::Entry> entries,
+                                       const Units& in, double (&all)[3][width]) {
+    const Real over_h(Scalar(in.length / in.h));
+    Real u(0), v(0), w(0);
+    for (const auto entry : entries) {
+      const Row& b = rows[entry.row()];
+      const auto [dx, dy, dz, r2] = way_to(here, b, entry, lists, in);
+      const Real of = Real(volume(entry.row())) * Kernel::weight(Real(sqrt(r2) * over_h));
+      u = multiply_add(of, Real(b.vx), u), v = multiply_add(of, Real(b.vy), v);
+      w = multiply_add(of, Real(b.vz), w);
+    }
+    const Real parts[3] = {u, v, w};
     add_to(all, parts);
   }
   template <class Volume>

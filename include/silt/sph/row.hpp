@@ -30,6 +30,19 @@ struct alignas(64) SphRow {
 };
 static_assert(sizeof(SphRow) == 64);
 
+/// [kg/(m3 s)] Rate of density without diffusion.
+struct SphGrowth {
+  double density = 0;  // by the liquid around, and by walls and bodies that come nearer
+  double parting = 0;  // by walls and bodies from which the particle parts, at most 0
+};
+
+/// What a mirror image keeps of the liquid it sees, for velocities at the end of a step.
+struct SphImage {
+  double over = 0;    // [-] 1/(sum of V W); 0: sees none
+  double share = 0;   // [-] weight of the mirrored values
+  double nearer = 1;  // [-] see sph_velocity_at_wall
+};
+
 /// tau/rho [m2/s2] of a particle, symmetric, from turbulence.
 struct alignas(64) SphStress {
   double xx = 0, yy = 0, zz = 0, yz = 0, zx = 0, xy = 0;

@@ -16,6 +16,7 @@ struct SphSeenBy {
     Vec3<Real> velocity;  // [m/s] of the liquid
     Real share;           // [-] weight of this value
     Real nearer;          // [-] of the probe to the wall, over the liquid seen: at most 1
+    Real over;            // [-] 1/weight; 0: sees no liquid
   };
   static Vec3<Real> none() { return {Real(0), Real(0), Real(0)}; }
   Real weight = Real(0), density = Real(0);
@@ -85,7 +86,8 @@ struct SphSeenBy {
     const Real found = select(fit.known(), select(weight < Real(little), rest, fitted), rest);
     const Real half = Real(0.5) * dot(away, away), reach = half - over * dot(way, away);
     return {select(sees, found, rho), select(sees, over * velocity, none()),
-            select(sees, mirrored, Real(0)), select(reach > half, half / reach, Real(1))};
+            select(sees, mirrored, Real(0)), select(reach > half, half / reach, Real(1)),
+            select(sees, over, Real(0))};
   }
 };
 using SphSeen = SphSeenBy<double>;

@@ -50,17 +50,16 @@ enum class Slip { None, Free };
 
 /// Resolution and region.
 struct SphSetup {
-  /// [-] Courant numbers: the default of SymplecticTime, and the largest. (Calm scenes become
-  /// unstable above 0.8; docs/sph.md.)
-  static constexpr double usual_courant = 0.3, most_courant = 0.6;
+  /// [-] Courant numbers of LeapfrogTime: the default, and the largest (docs/sph_method.md).
+  static constexpr double usual_courant = 0.6, most_courant = 1;
   double spacing = 0;      // [m] initial distance of particles
   Box region;              // [m] what leaves it is removed and counted; in 2D min.y = max.y
   double smoothing = 1.2;  // [-] h = smoothing sqrt(D) spacing; in 2D avoid 0.9 to 1 (docs/sph.md)
   int dimensions = 3;      // 2: in x and z; a slice one spacing thick
   std::array<bool, 3> periodic{};  // the region repeats
   Vec3d gravity{0, 0, 0};          // [m/s2]
-  double courant = 0;              // [-] of the time step; 0: 0.3, or 0.2 with VerletTime or
-                                   // NoDiffusion
+  double courant = 0;              // [-] of the time step; 0: 0.6; with SymplecticTime 0.3, or
+                                   // without diffusion 0.2; with VerletTime 0.2
   std::optional<Slip> slip = {};   // left out: None with a viscosity of the liquid
   double scatter =
       0;  // [-] of the spacing: largest random displacement of new particles from the lattice
@@ -93,7 +92,7 @@ struct SphSetup {
     require(smoothing >= 0.7 && smoothing <= 2, "SphSetup.smoothing = ", smoothing,
             " must be in [0.7, 2]; 0.8 to 1.2 are usual");
     require(courant >= 0 && courant <= most_courant, "SphSetup.courant = ", courant,
-            " must be in (0, ", most_courant, "]; 0.3 is usual, 0.2 with VerletTime");
+            " must be in (0, ", most_courant, "]; 0.6 is usual");
     require(scatter >= 0 && scatter <= 0.3, "SphSetup.scatter = ", scatter,
             " must be in [0, 0.3] of the spacing; 0.2 breaks a lattice up");
     check_gravity(gravity);

@@ -42,7 +42,7 @@ template <class Pairs>
 struct SphImages {
   static constexpr std::size_t W = Pairs::W;
   alignas(64) double x[W] = {}, y[W] = {}, z[W] = {};  // [m] from an image to its particle
-  alignas(64) double density[W], u[W], v[W], w[W], share[W], nearer[W];
+  alignas(64) double density[W], u[W], v[W], w[W], share[W], nearer[W], over[W];
 
   void put_way(std::size_t lane, const Vec3d& way) {
     x[lane] = way.x, y[lane] = way.y, z[lane] = way.z;
@@ -59,12 +59,59 @@ struct SphImages {
       const auto image =
           seen[part].at(load3<Real>(x + l, y + l, z + l), liquid, gravity, h, bodies);
       store(density + l, image.density), store(share + l, image.share);
-      store(nearer + l, image.nearer);
+      store(nearer + l, image.nearer), store(over + l, image.over);
       store(u + l, image.velocity.x), store(v + l, image.velocity.y);
       store(w + l, image.velocity.z);
     }
   }
 };
+
+/// Gives the wall particle in row `at` a velocity, by that of the liquid at its mirror image in
+/// `row`, from which it is `away`.
+template <class Core>
+void sph_move_wall(Core& core, std::size_t at, std::size_t row, const Vec3d& seen,
+                   const Vec3d& away, const SphImage& image, Slip slip) {
+  auto& columns = core.columns;
+  const Vec3d of_solid = core.solids.velocity(columns.label[row], row);
+  const auto at_wall = [&](Slip how) {
+    return of_solid +
+           image.share * (sph_velocity_at_wall(seen, of_solid, away, image.nearer, how) - of_solid);
+  };
+  columns.rows[at].move(at_wall(slip));
+  if (slip == Slip::None) columns.sticking[at] = columns.rows[at].velocity() - at_wall(Slip::Free);
+}
+
+/// use(pack, rows of the wall particles that belong to its probes; none: no such) for each pack of
+/// mirror images with walls near liquid. These rows lie scattered; they are fetched while use()
+/// makes its sums.
+template <class Core, class Use>
+void sph_for_images(Core& core, bool sticks, const Team& team, const Use& use) {
+  using Lists = typename Core::Lists;
+  constexpr std::size_t W = Core::Pairs::W;
+  auto& columns = core.columns;
+  const std::size_t first = core.lists.first_pack(Lists::Probe), n = core.lists.packs() - first;
+  const auto find_walls = [&](std::size_t pack, std::array<std::uint32_t, W>& walls) {
+    bool any = false;
+    for (std::size_t l = 0; l < W; ++l) {
+      std::uint32_t& at = walls[l];
+      at = core.solids.of_row(pack * W + l).wall_row;
+      if (at == Lists::none) continue;  // or a grain
+      if (!core.lists.sees_liquid(at / W)) {
+        at = Lists::none;
+        continue;
+      }
+      any = true;
+      __builtin_prefetch(&columns.rows[at], 1), __builtin_prefetch(&columns.volume[at], 1);
+      if (sticks) __builtin_prefetch(&columns.sticking[at], 1);
+    }
+    return any;
+  };
+  team.for_ranges(n, Lists::packs_a_range, [&](std::size_t, std::size_t from, std::size_t to) {
+    std::array<std::uint32_t, W> walls;
+    for (std::size_t p = first + from; p < first + to; ++p)
+      if (find_walls(p, walls)) use(p, walls);
+  });
+}
 
 /// Density and velocity of wall particles, from the liquid at their mirror images.
 template <class Core>
@@ -74,57 +121,56 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
   constexpr std::size_t W = Pairs::W;
   auto& columns = core.columns;
   const auto& solids = core.solids;
-  const Slip slip = core.setup.slip.value_or(Core::Viscosity::laminar ? Slip::None : Slip::Free);
-  const std::size_t first = core.lists.first_pack(Lists::Probe), n = core.lists.packs() - first;
+  const Slip slip = core.slip();
+  const std::size_t first = core.lists.first_pack(Lists::Probe) * W;
   if (slip == Slip::None) columns.sticking.resize(columns.size(), Vec3d{0, 0, 0});
-  // The wall particles of a pack, which lie scattered. They are fetched while the sums are made.
-  const auto find_walls = [&](std::size_t pack, std::array<std::uint32_t, W>& walls) {
-    bool any = false;
+  if constexpr (Core::Time::leaps) make_room(columns.images, columns.size() - first);
+  sph_for_images(core, slip == Slip::None, team, [&](std::size_t p, const auto& walls) {
+    std::array<typename Pairs::Seen, W / Pairs::seen_width> seen{};
+    if (core.lists.sees_liquid(p))
+      pairs.look(p, columns.rows, columns.volume, core.lists, seen, columns.brief);
+    SphImages<Pairs> images;
+    for (std::size_t l = 0; l < W; ++l)
+      if (const std::uint32_t at = walls[l]; at != Lists::none)
+        images.put_way(l, core.lists.repeats.shortest(columns.rows[at].position() -
+                                                      columns.rows[p * W + l].position()));
+    images.find(std::span<const typename Pairs::Seen>(seen), core.liquid, core.weight(),
+                core.setup.h(), !solids.bodies.empty());
     for (std::size_t l = 0; l < W; ++l) {
-      std::uint32_t& at = walls[l];
-      at = solids.of_row(pack * W + l).wall_row;
-      if (at == Lists::none) continue;  // or a grain
-      if (!core.lists.sees_liquid(at / W)) {
-        at = Lists::none;
-        continue;
-      }
-      any = true;
-      __builtin_prefetch(&columns.rows[at], 1), __builtin_prefetch(&columns.volume[at], 1);
-      if (slip == Slip::None) __builtin_prefetch(&columns.sticking[at], 1);
+      const std::uint32_t at = walls[l];
+      if (at == Lists::none) continue;
+      const std::size_t row = p * W + l;
+      auto& wall = columns.rows[at];
+      wall.density = images.density[l], wall.pressure = core.liquid.pressure(wall.density);
+      const double nearer = solids.is_wall(columns.label[row]) ? images.nearer[l] : 1;
+      const SphImage image{images.over[l], images.share[l], nearer};
+      sph_move_wall(core, at, row, images.velocity(l), images.way(l), image, slip);
+      if constexpr (Core::Time::leaps) columns.images[row - first] = image;
+      columns.volume[at] = solids.of_row(row).share * core.particle_mass() / wall.density;
     }
-    return any;
-  };
-  team.for_ranges(n, Lists::packs_a_range, [&](std::size_t, std::size_t from, std::size_t to) {
-    std::array<std::uint32_t, W> walls;
-    for (std::size_t p = first + from; p < first + to; ++p) {
-      if (!find_walls(p, walls)) continue;
-      std::array<typename Pairs::Seen, W / Pairs::seen_width> seen{};
-      if (core.lists.sees_liquid(p))
-        pairs.look(p, columns.rows, columns.volume, core.lists, seen, columns.brief);
-      SphImages<Pairs> images;
-      for (std::size_t l = 0; l < W; ++l)
-        if (const std::uint32_t at = walls[l]; at != Lists::none)
-          images.put_way(l, core.lists.repeats.shortest(columns.rows[at].position() -
-                                                        columns.rows[p * W + l].position()));
-      images.find(std::span<const typename Pairs::Seen>(seen), core.liquid, core.weight(),
-                  core.setup.h(), !solids.bodies.empty());
-      for (std::size_t l = 0; l < W; ++l) {
-        const std::uint32_t at = walls[l];
-        if (at == Lists::none) continue;
-        const std::size_t row = p * W + l;
-        auto& wall = columns.rows[at];
-        wall.density = images.density[l], wall.pressure = core.liquid.pressure(wall.density);
-        const Vec3d of_solid = solids.velocity(columns.label[row], row);
-        const double nearer = solids.is_wall(columns.label[row]) ? images.nearer[l] : 1;
-        const auto at_wall = [&](Slip how) {
-          return of_solid + images.share[l] * (sph_velocity_at_wall(images.velocity(l), of_solid,
-                                                                    images.way(l), nearer, how) -
-                                               of_solid);
-        };
-        wall.move(at_wall(slip));
-        if (slip == Slip::None) columns.sticking[at] = wall.velocity() - at_wall(Slip::Free);
-        columns.volume[at] = solids.of_row(row).share * core.particle_mass() / wall.density;
-      }
+  });
+}
+
+/// Their velocities anew, after those of the liquid have changed at the same positions.
+template <class Core>
+void sph_mirror_velocities(Core& core, const typename Core::Pairs& pairs, const Team& team) {
+  using Lists = typename Core::Lists;
+  constexpr std::size_t W = Core::Pairs::W;
+  auto& columns = core.columns;
+  const Slip slip = core.slip();
+  const std::size_t first = core.lists.first_pack(Lists::Probe) * W;
+  sph_for_images(core, slip == Slip::None, team, [&](std::size_t p, const auto& walls) {
+    std::array<Vec3d, W> seen{};
+    if (core.lists.sees_liquid(p))
+      pairs.look_at_velocity(p, columns.rows, columns.volume, core.lists, seen, columns.brief);
+    for (std::size_t l = 0; l < W; ++l) {
+      const std::uint32_t at = walls[l];
+      if (at == Lists::none) continue;
+      const std::size_t row = p * W + l;
+      const SphImage& image = columns.images[row - first];
+      const Vec3d away =
+          core.lists.repeats.shortest(columns.rows[at].position() - columns.rows[row].position());
+      sph_move_wall(core, at, row, image.over * seen[l], away, image, slip);
     }
   });
 }
@@ -140,7 +186,7 @@ void sph_solid_rates(Core& core, const Team& team, const IsAsked& is_asked) {
   team.for_ranges(n, Lists::packs_a_range, [&](std::size_t, std::size_t from, std::size_t to) {
     for (std::size_t p = first + from; p < first + to; ++p) {
       if (!is_asked(p)) continue;
-      pairs.of_wall(p, of.rows, of.volume, core.lists, of.rates, of.brief);
+      pairs.of_wall(p, of.rows, of.volume, core.lists, of.rates, of.growth, of.brief);
       if constexpr (Core::turbulent)
         core.sps().accelerate(p, Core::Pairs::W, of.rows, of.volume, of.stress, core.lists,
                               of.rates, false);

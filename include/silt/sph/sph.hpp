@@ -41,7 +41,7 @@ namespace silt::inline SILT_TARGET {
 ///
 /// Policies in any order: a kernel, a viscosity, a diffusion of density, Shifting,
 /// ShiftingByFastest or NoShifting, a time integration, a kind of walls. Defaults: WendlandC2,
-/// ArtificialViscosity, Fourtakas, Shifting, SymplecticTime, MirroredWalls.
+/// ArtificialViscosity, Fourtakas, Shifting, LeapfrogTime, MirroredWalls.
 ///
 /// Walls are layers of particles behind surfaces; bodies are filled with particles. With
 /// MirroredWalls these particles have the density of the liquid at their mirror images (mDBC), and
@@ -245,16 +245,16 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   /// [s] from sound, speeds, accelerations and viscosity of the present state:
   ///   courant min(h/(c + max |h v.r/(r^2 + (0.1 h)^2)|), sqrt(h/max |a|)), h^2/(8 nu)
   double longest_step(const Team& team = {}) {
-    core().find_rates(team);
+    core().find_start(team);
     return core().stable_step();
   }
-  /// One step of dt [s]. InputError for a dt beyond that of SphSetup.courant = 0.6, the largest for
-  /// which the schemes were tested: the state would be destroyed.
+  /// One step of dt [s]. InputError for a dt beyond that of the largest Courant number for which
+  /// the scheme was tested: the state would be destroyed.
   void step(double dt, const Team& team = {}) {
     require(std::isfinite(dt) && dt > 0, "Sph::step: dt = ", dt, " s must be greater than 0");
-    const double usual = longest_step(team), longest = core().stable_step(SphSetup::most_courant);
+    const double usual = longest_step(team), longest = core().stable_step(Core::Time::most_courant);
     require(dt <= longest * (1 + 1e-9), "Sph::step: dt = ", dt, " s is longer than ", longest,
-            " s, which a Courant number of ", SphSetup::most_courant,
+            " s, which a Courant number of ", Core::Time::most_courant,
             " gives in the present state; use longest_step(), now ", usual,
             " s, or run(duration), which chooses its steps");
     core().step(dt, team), reading_.known = false;
@@ -333,8 +333,8 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   const auto& closure() const requires(Axes::Grains::averaged) { return core().grains.closure; }
   const auto& last_exchange() const requires(Axes::Grains::averaged) { return core().grains.last; }
   /// Present load of the liquid on a wall: force [N] ([N/m] in 2D), torque [N m] about `about` [m].
-  /// It changes nothing, to the last bit: in a Simulation the first reading between two steps
-  /// computes on a copy of the liquid.
+  /// It changes nothing, to the last bit: in a Simulation or with LeapfrogTime the first reading
+  /// between two steps computes on a copy of the liquid.
   std::pair<Vec3d, Vec3d> wall_load(std::size_t wall, const Vec3d& about = {0, 0, 0},
                                     const Team& team = {}) const {
     const auto& solid = core().solids.walls;
@@ -343,7 +343,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
             is_hosted_ || solid.walls() > 0 ? ""
                                             : "; those of a Simulation are known from its first "
                                               "run on");
-    if (!is_hosted_) {
+    if (!is_hosted_ && !Core::Time::leaps) {
       reading_.find(const_cast<Sph&>(*this).core(), team);  // the next step starts with its rates
     } else if (!reading_.known || !(reading_.gravity == core().gravity)) {
       Core copy = core();

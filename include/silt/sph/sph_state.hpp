@@ -24,7 +24,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   clock.for_each_state(visit);
   Core& c = core();
   auto& bodies = c.solids.bodies;
-  DynArray<double> rows, labels, built, kinds = bodies.kinds(), points = bodies.points();
+  DynArray<double> rows, labels, built, growth, kinds = bodies.kinds(), points = bodies.points();
   for (std::size_t k = 0; k < c.columns.size(); ++k) {
     const auto put = [&](const Row& r) {
       rows.insert(rows.end(), {r.x, r.y, r.z, r.vx, r.vy, r.vz, r.density, r.pressure});
@@ -32,10 +32,14 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
     put(c.columns.rows[k]), put(c.columns.start[k]);
     labels.push_back(is_lane(c.columns.label[k]) ? -1 : static_cast<double>(c.columns.label[k]));
     labels.push_back(static_cast<double>(c.columns.kind[k]));
+    if constexpr (Core::Time::leaps) {
+      const detail::SphGrowth g = c.begun ? c.columns.growth[k] : detail::SphGrowth{};
+      growth.insert(growth.end(), {g.density, g.parting});
+    }
     const Vec3d at = c.stale ? c.columns.rows[k].position() : c.lists.built(k);
     built.insert(built.end(), {at.x, at.y, at.z, c.stale ? 0 : c.lists.slack(k)});
   }
-  std::array<double, 11> numbers{static_cast<double>(c.next_number),
+  std::array<double, 13> numbers{static_cast<double>(c.next_number),
                                  static_cast<double>(c.left),
                                  static_cast<double>(c.displaced),
                                  static_cast<double>(c.steps),
@@ -45,6 +49,8 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
                                  c.stale ? 1.0 : 0.0,
                                  c.made ? 1.0 : 0.0,
                                  std::isfinite(c.exchange) ? c.exchange : 0,
+                                 c.begun ? 1.0 : 0.0,
+                                 c.most.acceleration,
                                  static_cast<double>(c.lists.width)};
   auto [solid, poses] = c.solids.walls.state();
   DynArray<double> small, shares;
@@ -53,6 +59,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
     shares.insert(shares.end(), {c.columns.voidage[k], c.columns.share[k], c.columns.fullness[k]});
   if constexpr (Axes::Grains::averaged) visit("fluid.grains", small), visit("fluid.shares", shares);
   visit("fluid.rows", rows), visit("fluid.labels", labels), visit("fluid.built", built);
+  if constexpr (Core::Time::leaps) visit("fluid.growth", growth);
   DynArray<double> openings_of = c.openings.state();
   if (!c.openings.empty()) visit("fluid.openings", openings_of);
   DynArray<double> gaps = c.gaps.state(bodies);
@@ -84,6 +91,8 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   require(labels.size() == 2 * n && rows.size() == 2 * row * n && built.size() == 4 * n,
           "Sph: a state of ", n, " particles has ", rows.size(), " numbers of rows and ",
           built.size(), " of places");
+  require(!Core::Time::leaps || growth.size() == 2 * n, "Sph: a state of ", n, " particles has ",
+          growth.size(), " rates of density");
   require(small.size() % 7 == 0 && (shares.empty() || shares.size() == 3 * n), "Sph: a state of ",
           n, " particles has ", small.size(), " numbers of grains and ", shares.size(),
           " of shares");
@@ -108,18 +117,22 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
     c.columns.voidage.push_back(shares[k]), c.columns.share.push_back(shares[k + 1]);
     c.columns.fullness.push_back(shares[k + 2]);
   }
+  if constexpr (Core::Time::leaps)
+    for (std::size_t k = 0; k < growth.size(); k += 2)
+      c.columns.growth.push_back({growth[k], growth[k + 1]});
   if constexpr (Axes::Grains::averaged) c.grains.restore(small);
   c.openings.restore(openings_of);
   c.next_number = static_cast<std::uint32_t>(numbers[0]);
   c.left = static_cast<std::size_t>(numbers[1]), c.displaced = static_cast<std::size_t>(numbers[2]);
   c.steps = static_cast<std::int64_t>(numbers[3]), c.time = c.now = numbers[4],
   c.last_step = numbers[5];
+  c.begun = numbers[10] != 0, c.most.acceleration = numbers[11];
   c.most.pair = numbers[6], c.stale = numbers[7] != 0, c.made = numbers[8] != 0, c.known = false;
   c.exchange = numbers[9] > 0 ? numbers[9] : INFINITY;  // 0: no free body
   bodies.restore(kinds, points), c.gaps.restore(gaps, bodies);
   if (c.made) c.solids.walls.restore(solid, poses);
   // Packs of another processor are sorted anew.
-  if (numbers[10] != static_cast<double>(c.lists.width)) c.stale = true;
+  if (numbers[12] != static_cast<double>(c.lists.width)) c.stale = true;
   if (!c.stale) sph_restore_lists(c, then, slacks);
 }
 

@@ -255,9 +255,10 @@ struct ResolvedGrains {
 /// Tests:  tests/sph/flows.cpp, tests/sph/refusals.cpp.
 struct VerletTime {
   int restart = 5;
+  static constexpr double most_courant = 0.2;
   static constexpr double longest = 1.5;  // [-] restart * SphSetup.courant
   static constexpr SphAxis sph_axis = SphAxis::Time;
-  static constexpr bool two_stages = false;
+  static constexpr bool two_stages = false, leaps = false;
   static constexpr const char* policy_name = "VerletTime";
   void check() const {
     require(restart >= 2, "VerletTime.restart = ", restart,
@@ -265,14 +266,34 @@ struct VerletTime {
   }
 };
 
-/// Symplectic scheme, two evaluations per step, one of them in its middle; second order.
+/// Two evaluations per step, one of them in its middle; second order. It amplifies sound slightly,
+/// the more the longer the steps.
 /// Source: B. Leimkuhler, C. Matthews, Molecular Dynamics, 2015, as in DualSPHysics.
-/// Valid:  Courant numbers up to that of SphSetup.
-/// Tests:  tests/sph/flows.cpp.
+/// Valid:  Courant numbers up to 0.6.
+/// Tests:  tests/sph/flows.cpp, tests/sph/waves.cpp.
 struct SymplecticTime {
   static constexpr SphAxis sph_axis = SphAxis::Time;
-  static constexpr bool two_stages = true;
+  static constexpr bool two_stages = true, leaps = false;
+  static constexpr double most_courant = 0.6;
   static constexpr const char* policy_name = "SymplecticTime";
+  void check() const {}
+};
+
+/// Leapfrog: places and densities go half a step, then velocities a whole one by the forces in its
+/// middle, then places and densities the other half. The forces are summed once a step; the rate of
+/// density, which is cheaper, with the velocities at the start and at the end of the step. Second
+/// order, except that viscosity acts with the velocities at the start. Without viscosity and
+/// diffusion it conserves the energy of sound waves, which SymplecticTime amplifies slightly.
+/// Source: the positions' form of L. Verlet, Phys. Rev. 159 (1967) 98 (recalled), with densities as
+///         positions; similar: C. Zhang, M. Rezavand, X. Hu, J. Comput. Phys. 404 (2020) 109135
+///         (recalled).
+/// Valid:  Courant numbers up to 1.
+/// Tests:  tests/sph/flows.cpp, tests/sph/waves.cpp, tests/sph/ledger.cpp.
+struct LeapfrogTime {
+  static constexpr SphAxis sph_axis = SphAxis::Time;
+  static constexpr bool two_stages = true, leaps = true;
+  static constexpr double most_courant = 1;
+  static constexpr const char* policy_name = "LeapfrogTime";
   void check() const {}
 };
 /// @}

@@ -7,6 +7,7 @@
 #include <silt/core/threads.hpp>
 #include <silt/core/vec3.hpp>
 #include <silt/sph/columns.hpp>
+#include <silt/sph/growth_sums.hpp>
 #include <silt/sph/ledger.hpp>
 #include <silt/sph/pair_sums.hpp>
 #include <silt/sph/row.hpp>
@@ -30,32 +31,69 @@ class SphStep {
       start = r;
       r.place(r.position() + 0.5 * dt_ * r.velocity());
       r.move(r.velocity() + 0.5 * dt_ * rate.acceleration);
-      r.density = held(r.density + 0.5 * dt_ * rate.density, rate, k, 0);
+      const double parting =
+          parted(r.density, rate.density, core_.columns.growth[k].parting, 0.5 * dt_);
+      r.density = held(r.density + 0.5 * dt_ * (rate.density + parting), rate, k, 0);
     });
-    for_walls([this](Row& r, Row& start, double rate) {
-      start.density = r.density, r.density += 0.5 * dt_ * rate;
+    for_walls([this](std::size_t k, Row& r, Row& start, double rate) {
+      start.density = r.density;
+      r.density += 0.5 * dt_ * (rate + core_.columns.growth[k].parting);
     });
     core_.openings.move(core_.columns, 0.5 * dt_, true);
     core_.now = core_.time + 0.5 * dt_, core_.known = false;
     move_solids(0.5 * dt_);
     core_.find_rates(team_), sph_body_loads(core_, team_);
+    size_book(), part(dt_, [](const Row&, const Row& start) { return start.density; });
     sph_book_middle(core_, dt_, team_);
     if constexpr (averaged)
       core_.grains.find(core_.columns, {core_.liquid.density, core_.grains.settings.viscosity},
                         core_.gravity, dt_, team_);
     for_liquid([this](std::size_t k, Row& r, const Row& start, const SphRates& rate) {
-      Vec3d v = start.velocity() + dt_ * rate.acceleration;
-      if constexpr (averaged) {
-        const double over = dt_ / core_.mass_of(k);
-        v = (1 / (1 + over * core_.grains.coefficient[k])) * (v + over * core_.grains.push[k]);
-      }
-      const double eps = -dt_ * rate.density / r.density;
+      const Vec3d v = pushed(k, start.velocity() + dt_ * rate.acceleration);
       r.place(start.position() + 0.5 * dt_ * (start.velocity() + v) + shift_of(rate, norm(v)));
-      r.move(v), r.density = held(start.density * (2 - eps) / (2 + eps), rate, k, dt_);
+      r.move(v), r.density = held(grown(start.density, rate.density, r.density), rate, k, dt_);
     });
-    for_walls([this](Row& r, const Row& start, double rate) {
-      const double eps = -dt_ * rate / r.density;
-      r.density = start.density * (2 - eps) / (2 + eps);
+    for_walls([this](std::size_t, Row& r, const Row& start, double rate) {
+      r.density = grown(start.density, rate, r.density);
+    });
+    core_.openings.move(core_.columns, 0.5 * dt_, false);
+    if constexpr (averaged) core_.grains.give_back(core_.columns, team_);
+    book_shifts(core_.columns.rows), sph_book_tension(core_);
+    if constexpr (averaged) sph_book_grains(core_, dt_);
+    move_solids(0.5 * dt_);
+  }
+
+  void leapfrog() {
+    auto& growth = core_.columns.growth;
+    for_liquid([&](std::size_t k, Row& r, Row& start, const SphRates&) {
+      start = r;
+      const auto& [rate, parting] = growth[k];
+      r.place(r.position() + 0.5 * dt_ * r.velocity());
+      r.density += 0.5 * dt_ * (rate + parted(r.density, rate, parting, 0.5 * dt_));
+    });
+    for_walls([&](std::size_t k, Row& r, Row& start, double) {
+      start.density = r.density, r.density += 0.5 * dt_ * (growth[k].density + growth[k].parting);
+    });
+    core_.openings.move(core_.columns, 0.5 * dt_, true);
+    core_.now = core_.time + 0.5 * dt_, core_.known = false;
+    move_solids(0.5 * dt_);
+    core_.find_rates(team_), sph_body_loads(core_, team_);
+    if constexpr (averaged)
+      core_.grains.find(core_.columns, {core_.liquid.density, core_.grains.settings.viscosity},
+                        core_.gravity, dt_, team_);
+    sph_note_velocities(core_);
+    for_liquid([this](std::size_t k, Row& r, const Row&, const SphRates& rate) {
+      r.move(pushed(k, r.velocity() + dt_ * rate.acceleration));
+    });
+    size_book(), sph_find_growth(core_, dt_, team_);
+    sph_book_middle(core_, dt_, team_);
+    for_liquid([&](std::size_t k, Row& r, const Row& start, const SphRates& rate) {
+      r.place(r.position() + 0.5 * dt_ * r.velocity() + shift_of(rate, norm(r.velocity())));
+      r.density = held(grown(start.density, rate.density, r.density), rate, k, dt_);
+      core_.keep_growth(k);
+    });
+    for_walls([&](std::size_t, Row& r, const Row& start, double rate) {
+      r.density = grown(start.density, rate, r.density);
     });
     core_.openings.move(core_.columns, 0.5 * dt_, false);
     if constexpr (averaged) core_.grains.give_back(core_.columns, team_);
@@ -66,9 +104,10 @@ class SphStep {
 
   void verlet() {
     const bool restart = core_.steps % core_.scheme.restart == 0;
-    sph_body_loads(core_, team_);
-    sph_book_start(core_, dt_, team_);
     const double span = restart ? dt_ : dt_ + core_.last_step;
+    sph_body_loads(core_, team_);
+    part(span, [&](const Row& r, const Row& start) { return restart ? r.density : start.density; });
+    sph_book_start(core_, dt_, team_);
     for_liquid([&](std::size_t k, Row& r, Row& start, const SphRates& rate) {
       const Row from = restart ? r : start;
       start = r;
@@ -77,7 +116,7 @@ class SphStep {
       r.move(from.velocity() + span * a);
       r.density = held(from.density + span * rate.density, rate, k, span);
     });
-    for_walls([&](Row& r, Row& start, double rate) {
+    for_walls([&](std::size_t, Row& r, Row& start, double rate) {
       const double from = restart ? r.density : start.density;
       start.density = r.density, r.density = from + span * rate;
     });
@@ -90,6 +129,37 @@ class SphStep {
   static constexpr bool averaged = Core::Grains::averaged;
   static constexpr double longest_shift = 0.05;  // [-] of the spacing
 
+  /// Adds what parting from solids takes from densities from(row, its start) within `span` [s].
+  template <class From>
+  void part(double span, const From& from) {
+    const auto& growth = core_.columns.growth;
+    for_liquid([&](std::size_t k, Row& r, Row& start, const SphRates&) {
+      core_.part(k, from(r, start), growth[k].parting, span);
+    });
+    if constexpr (!Core::Walls::mirrored)
+      for (std::size_t k = core_.lists.first_pack(Lists::Wall) * Core::Pairs::W; k < growth.size();
+           ++k)
+        core_.columns.rates[k].density += growth[k].parting;
+  }
+  double parted(double from, double rate, double parting, double span) const {
+    return sph_parting(from, rate, parting, core_.liquid.density, span);
+  }
+  void size_book() {
+    if constexpr (Core::Book::kept) sph_size_book(core_);
+  }
+  /// [m/s] A new velocity, after drag and push of unresolved grains.
+  Vec3d pushed([[maybe_unused]] std::size_t k, const Vec3d& v) const {
+    if constexpr (averaged) {
+      const double over = dt_ / core_.mass_of(k);
+      return (1 / (1 + over * core_.grains.coefficient[k])) * (v + over * core_.grains.push[k]);
+    }
+    return v;
+  }
+  /// [kg/m3] after a step, by the rate and the density in its middle.
+  double grown(double start, double rate, double middle) const {
+    const double eps = -dt_ * rate / middle;
+    return start * (2 - eps) / (2 + eps);
+  }
   /// Removes tension at a particle with few neighbours, and pressure in spray.
   ///
   /// Tension: the density of such a particle depends only on its few neighbours and would drift, in
@@ -104,7 +174,7 @@ class SphStep {
     if constexpr (Core::Book::kept) core_.book.unheld[k] = density;
     if constexpr (Core::Shift::shifts || Core::asks_fullness) {
       const double rest = core_.liquid.density;
-      if (rate.divergence < 0.4 * core_.setup.dimensions) density = std::max(density, rest);
+      if (core_.is_loose(rate)) density = std::max(density, rest);
       if (density > rest && rate.divergence < 0.7 * core_.full)
         density = std::max(
             density * (1 - span * sph_spray_loss(rate.slope, rate.divergence / core_.full,
@@ -133,7 +203,7 @@ class SphStep {
       team_.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
         for (std::size_t k = first + from; k < first + to; ++k) {
           if (of.label[k] == Lists::none) continue;
-          update(of.rows[k], of.start[k], of.rates[k].density);
+          update(k, of.rows[k], of.start[k], of.rates[k].density);
           of.rows[k].density = std::max(of.rows[k].density, core_.liquid.density);
         }
       });
