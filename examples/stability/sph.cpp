@@ -357,16 +357,14 @@ Measures pulled(double strain, const Policies&... policies) {
           {"momentum", norm(water.momentum()) / std::sqrt(2 * water.mass() * before), 1e-12}};
 }
 
-/// A collapsing column; the speed of sound is a multiple of that of free fall from its height. From
-/// 50 times on the usual Courant number gains energy (2 % at 70 times; 0.4 gains 11 % at 100).
+/// A collapsing column; the speed of sound is a multiple of that of free fall from its height.
+/// Catches parting from walls that lowers densities after contact has ended: from 50 times on the
+/// column gained 2 to 27 %.
 Measures stiff(double sound) {
   const double s = 0.01, H = 0.2, fall = std::sqrt(2 * g * H);
-  Sph water{Liquid{.density = rho, .sound_speed = sound * fall},
-            {.spacing = s,
-             .region = {{0, 0, 0}, {1, 0, 0.4}},
-             .dimensions = 2,
-             .gravity = {0, 0, -g},
-             .courant = sound > 50 ? 0.2 : 0}};
+  Sph water{
+      Liquid{.density = rho, .sound_speed = sound * fall},
+      {.spacing = s, .region = {{0, 0, 0}, {1, 0, 0.4}}, .dimensions = 2, .gravity = {0, 0, -g}}};
   water.add_wall(Plane{{0, 0, 0}, {0, 0, 1}}, {.name = "floor"});
   water.add_wall(Plane{{0, 0, 0}, {1, 0, 0}}, {.name = "wall"});
   water.fill([=](const Vec3d& x) { return x.x < 0.1 && x.z < H; });
@@ -456,8 +454,9 @@ void sph(Table& table) {
             [&] { return at_rest(some, 0.03, VerletTime{}); });
   table.row(text(some, " steps, NoShifting"), Setting::Tame,
             [&] { return at_rest(some, 0.03, NoShifting{}); });
-  table.row(text(some, " steps, NoDiffusion"), Setting::Tame,
-            [&] { return at_rest(some, 0.5, NoDiffusion{}); });  // noise v has the pressure rho c v
+  // Noise v has the pressure rho c v. After some 30 s, with any step, it lifts the liquid by 14 %.
+  table.row(text(some / 4, " steps, NoDiffusion"), Setting::Tame,
+            [&] { return at_rest(some / 4, 0.5, NoDiffusion{}); });
   table.row(text(some, " steps, laminar, 1e-6 m2/s"), Setting::Tame,
             [&] { return at_rest(some, 0.03, water_like); });
 
@@ -485,8 +484,8 @@ void sph(Table& table) {
               "no energy gained, nothing behind walls, front not faster than 2 sqrt(g H)");
   for (const double sound : {10.0, 30.0, 100.0})
     if (!quick || sound != 30)
-      table.row(text("c = ", sound, " times the fall's speed", sound > 50 ? ", courant 0.2" : ""),
-                Setting::Tame, [&] { return stiff(sound); });
+      table.row(text("c = ", sound, " times the fall's speed"), Setting::Tame,
+                [&] { return stiff(sound); });
 }
 
 }  // namespace stability

@@ -137,7 +137,7 @@ TEST_CASE("SPH ledger: channels of a pair by hand") {
   Pair p = of;
   p.way = {p.s, 0, 0};
   const double F = p.grad(), r2 = p.s * p.s, wide = r2 + 0.01 * p.h * p.h;
-  const double along = dot(p.speed, p.way), square = dot(p.speed, p.speed);
+  const double along = dot(p.speed, p.way);
   // Of both: m m Pi v.grad W = m m (-alpha c h (v.r)/wide/rho) (v.r) F, and 4 nu m m r2 F/(2 rho
   // wide) v^2, both lost as v.r < 0 and F < 0. 1e-5: half of a step of 1e-7 s.
   const auto artificial = one_step(ArtificialViscosity{.alpha = 0.3}, NoDiffusion{}, 0);

@@ -62,8 +62,8 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   if constexpr (Core::Time::leaps) visit("fluid.growth", growth);
   DynArray<double> openings_of = c.openings.state();
   if (!c.openings.empty()) visit("fluid.openings", openings_of);
-  DynArray<double> gaps = c.gaps.state(bodies);
-  visit("fluid.gaps", gaps);
+  DynArray<double> gap_sums = c.gaps.state(bodies);
+  visit("fluid.gaps", gap_sums);
   visit("fluid.walls", solid), visit("fluid.poses", poses);
   visit("fluid.bodies", kinds), visit("fluid.points", points),
       visit("fluid.numbers", std::span<double>(numbers));
@@ -129,7 +129,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   c.begun = numbers[10] != 0, c.most.acceleration = numbers[11];
   c.most.pair = numbers[6], c.stale = numbers[7] != 0, c.made = numbers[8] != 0, c.known = false;
   c.exchange = numbers[9] > 0 ? numbers[9] : INFINITY;  // 0: no free body
-  bodies.restore(kinds, points), c.gaps.restore(gaps, bodies);
+  bodies.restore(kinds, points), c.gaps.restore(gap_sums, bodies);
   if (c.made) c.solids.walls.restore(solid, poses);
   // Packs of another processor are sorted anew.
   if (numbers[12] != static_cast<double>(c.lists.width)) c.stale = true;
