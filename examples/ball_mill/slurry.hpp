@@ -102,6 +102,7 @@ inline auto make_slurry(const Scene& s, const Slurry& slurry) {
                     .courant = slurry.courant},
                    silt::LaminarViscosity{.kinematic = slurry.kinematic(), .alpha = slurry.alpha},
                    silt::MirroredWalls{},
+                   silt::SymplecticTime{},
                    silt::RestoredVolume{},
                    silt::Mixed{}};
 }
