@@ -39,15 +39,9 @@ class SphStep {
       start.density = r.density;
       r.density += 0.5 * dt_ * (rate + core_.columns.growth[k].parting);
     });
-    core_.openings.move(core_.columns, 0.5 * dt_, true);
-    core_.now = core_.time + 0.5 * dt_, core_.known = false;
-    move_solids(0.5 * dt_);
-    core_.find_rates(team_), sph_body_loads(core_, team_);
+    find_middle();
     size_book(), part(dt_, [](const Row&, const Row& start) { return start.density; });
     sph_book_middle(core_, dt_, team_);
-    if constexpr (averaged)
-      core_.grains.find(core_.columns, {core_.liquid.density, core_.grains.settings.viscosity},
-                        core_.gravity, dt_, team_);
     for_liquid([this](std::size_t k, Row& r, const Row& start, const SphRates& rate) {
       const Vec3d v = pushed(k, start.velocity() + dt_ * rate.acceleration);
       r.place(start.position() + 0.5 * dt_ * (start.velocity() + v) + shift_of(rate, norm(v)));
@@ -56,11 +50,7 @@ class SphStep {
     for_walls([this](std::size_t, Row& r, const Row& start, double rate) {
       r.density = grown(start.density, rate, r.density);
     });
-    core_.openings.move(core_.columns, 0.5 * dt_, false);
-    if constexpr (averaged) core_.grains.give_back(core_.columns, team_);
-    book_shifts(core_.columns.rows), sph_book_tension(core_);
-    if constexpr (averaged) sph_book_grains(core_, dt_);
-    move_solids(0.5 * dt_);
+    finish();
   }
 
   void leapfrog() {
@@ -74,13 +64,7 @@ class SphStep {
     for_walls([&](std::size_t k, Row& r, Row& start, double) {
       start.density = r.density, r.density += 0.5 * dt_ * (growth[k].density + growth[k].parting);
     });
-    core_.openings.move(core_.columns, 0.5 * dt_, true);
-    core_.now = core_.time + 0.5 * dt_, core_.known = false;
-    move_solids(0.5 * dt_);
-    core_.find_rates(team_), sph_body_loads(core_, team_);
-    if constexpr (averaged)
-      core_.grains.find(core_.columns, {core_.liquid.density, core_.grains.settings.viscosity},
-                        core_.gravity, dt_, team_);
+    find_middle();
     sph_note_velocities(core_);
     for_liquid([this](std::size_t k, Row& r, const Row&, const SphRates& rate) {
       r.move(pushed(k, r.velocity() + dt_ * rate.acceleration));
@@ -95,11 +79,7 @@ class SphStep {
     for_walls([&](std::size_t, Row& r, const Row& start, double rate) {
       r.density = grown(start.density, rate, r.density);
     });
-    core_.openings.move(core_.columns, 0.5 * dt_, false);
-    if constexpr (averaged) core_.grains.give_back(core_.columns, team_);
-    book_shifts(core_.columns.rows), sph_book_tension(core_);
-    if constexpr (averaged) sph_book_grains(core_, dt_);
-    move_solids(0.5 * dt_);
+    finish();
   }
 
   void verlet() {
@@ -159,6 +139,24 @@ class SphStep {
   double grown(double start, double rate, double middle) const {
     const double eps = -dt_ * rate / middle;
     return start * (2 - eps) / (2 + eps);
+  }
+  /// Moves all but the liquid to the middle of the step; rates there.
+  void find_middle() {
+    core_.openings.move(core_.columns, 0.5 * dt_, true);
+    core_.now = core_.time + 0.5 * dt_, core_.known = false;
+    move_solids(0.5 * dt_);
+    core_.find_rates(team_), sph_body_loads(core_, team_);
+    if constexpr (averaged)
+      core_.grains.find(core_.columns, {core_.liquid.density, core_.grains.settings.viscosity},
+                        core_.gravity, dt_, team_);
+  }
+  /// The second half of all but the liquid, after it.
+  void finish() {
+    core_.openings.move(core_.columns, 0.5 * dt_, false);
+    if constexpr (averaged) core_.grains.give_back(core_.columns, team_);
+    book_shifts(core_.columns.rows), sph_book_tension(core_);
+    if constexpr (averaged) sph_book_grains(core_, dt_);
+    move_solids(0.5 * dt_);
   }
   /// Removes tension at a particle with few neighbours, and pressure in spray.
   ///
