@@ -27,7 +27,7 @@ struct Slurry {
   double sound = 18;       // [m/s] seven times what 999 of 1000 particles stay below
   double alpha = 0.1;      // [-] artificial viscosity, for stability
   double smoothing = 0.8;  // [-] h over sqrt(3) spacings
-  double courant = 0.6;    // [-] of the time step
+  double courant = 1;      // [-] of the time step
   double kinematic() const { return viscosity / density; }  // [m2/s]
 };
 
@@ -102,7 +102,6 @@ inline auto make_slurry(const Scene& s, const Slurry& slurry) {
                     .courant = slurry.courant},
                    silt::LaminarViscosity{.kinematic = slurry.kinematic(), .alpha = slurry.alpha},
                    silt::MirroredWalls{},
-                   silt::SymplecticTime{},
                    silt::RestoredVolume{},
                    silt::Mixed{}};
 }

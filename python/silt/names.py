@@ -15,6 +15,7 @@ UNITS = {
     "pressure": "Pa", "pressure_with_weight": "Pa", "voidage": "-", "temperature": "K",
     "mean_velocity": "m/s", "rms_velocity": "m/s", "mean_superficial_velocity": "m/s",
     "mean_pressure": "Pa", "rms_pressure": "Pa", "mean_pressure_with_weight": "Pa",
+    "eddy_viscosity": "Pa s", "turbulent_energy": "m2/s2", "dissipation": "m2/s3",
     "mean_voidage": "-", "mean_temperature": "K", "rms_temperature": "K",
     "solid_fraction": "-", "density": "kg/m3", "granular_temperature": "m2/s2",
     "contact_stress": "Pa", "kinetic_stress": "Pa", "worn depth": "m", "worn volume": "m3",

@@ -99,6 +99,10 @@ TEST_CASE("particle_file: columns may stand in any order, between commas, semico
       {{1, 2, 3}, {-4, 5e-3, 6}}, {0.5, 0.25}, {2500, 7800}, {}, {}, {1, 0}};
   const char* const forms[] = {
       "x,y,z,radius,density,material\n1,2,3,0.5,2500,1\n-4,5e-3,6,.25,7800,0\n",
+      "x [m],y [m],z[m],radius [m],density [kg/m3],material [-]\n1,2,3,0.5,2500,1\n"
+      "-4,5e-3,6,.25,7800,0\n",
+      "x [m] y [m] z [m] radius [m] density [kg/m3] material\n1 2 3 0.5 2500 1\n-4 5e-3 6 .25 7800 "
+      "0",
       "z;diameter;x;material;y;density\n3;1;1;1;2;2500\n6;0.5;-4;0;0.005;7800",
       "\xEF\xBB\xBF# beads\r\n\r\n x y\tz  radius density material \r\n"
       "1 2 3 0.5 2500 1 # first\r\n#\r\n  -4 +0.005 6.0 2.5E-1 7.8e3 0  \r\n",
@@ -156,6 +160,10 @@ TEST_CASE("particle_file: a bad header is refused with line and column") {
   check_refused("x y z\n0 0 0\n", "line 1: the column 'radius' or 'diameter' is missing");
   check_refused("x y z radius vx vz\n", "line 1: the column 'vy' is missing");
   check_refused("x y z radius wz\n", "line 1: the column 'wx' is missing");
+  check_refused("x [mm],y,z,radius\n",
+                "line 1: column 'x' has the unit '[mm]', but numbers are read in [m]");
+  check_refused("x y z diameter [um]\n", "column 'diameter' has the unit '[um]'");
+  check_refused("[m] x y z radius\n", "line 1: '' is not a column name");
   check_refused("x y z radius y\n", "line 1: column 'y' is named twice");
   check_refused("x y z radius diameter\n", "either 'radius' or 'diameter', not both");
 }

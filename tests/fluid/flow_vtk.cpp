@@ -46,9 +46,14 @@ TEST_CASE("VTK's own reader finds a flow where it is") {
   const silt::Grid g({{1, 2, 3}, {1.4, 3, 4.5}}, {4, 5, 6});
   silt::FlowSolver flow(g, {1.2, 1.8e-5});
   flow.set_boundary({.distance = [](const silt::Vec3d& x) { return x.x - 1.05; }});
+  flow.set_turbulence(silt::KEpsilon{.width = 1});
+  flow.velocity(2).fill(1), flow.step(1e-4);
+  const double eddies = flow.eddy_viscosity()(1, 2, 3);
+  CHECK(eddies > 0);
   for (int k = 0; k < 6; ++k)
     for (int j = 0; j < 5; ++j)
       for (int i = 0; i < 4; ++i) {
+        flow.turbulent_energy()(i, j, k) = i + 10 * j + 100 * k, flow.dissipation()(i, j, k) = 7 * k;
         flow.pressure()(i, j, k) = 100 * i + 10 * j + k;
         flow.voidage()(i, j, k) = 0.5 + 0.01 * i;
         flow.velocity(0)(i, j, k) = i, flow.velocity(1)(i, j, k) = 2 * j;
@@ -88,6 +93,9 @@ TEST_CASE("VTK's own reader finds a flow where it is") {
     expect("pressure", {123});
     expect("voidage", {0.51});
     expect("open", {1});
+    expect("eddy_viscosity", {eddies});
+    expect("turbulent_energy", {321});
+    expect("dissipation", {21});
   }
   fs::remove_all(folder);
   CHECK_THROWS_AS(silt::write_flow("/nowhere/at/all/flow.vti", flow), silt::FileError);

@@ -72,6 +72,8 @@ class ParticleReader {
   static constexpr std::array<std::string_view, column_count> column_names{
       "x",  "y",  "z",  "radius", "diameter", "density", "vx",
       "vy", "vz", "wx", "wy",     "wz",       "material"};
+  static constexpr std::array<std::string_view, column_count> units{
+      "m", "m", "m", "m", "m", "kg/m3", "m/s", "m/s", "m/s", "rad/s", "rad/s", "rad/s", "-"};
   static constexpr std::string_view of_csv =
       "id,x,y,z,velocity x,velocity y,velocity z,radius,material";
   static constexpr std::string_view of_csv_spin =
@@ -120,6 +122,12 @@ class ParticleReader {
     std::string_view name;
     if (line.starts_with(of_csv)) return read_csv_header(line);
     while (next_value(line, name)) {
+      const auto unit = name.substr(std::min(name.find('['), name.size()));
+      name = trimmed(name.substr(0, name.size() - unit.size()));
+      if (name.empty() && !unit.empty() && !columns_.empty()) {  // `x [m]` in a table with blanks
+        check_unit(columns_.back(), unit);
+        continue;
+      }
       const auto known = std::find(column_names.begin(), column_names.end(), name);
       if (known == column_names.end())
         fail(in_quotes(name),
@@ -128,12 +136,21 @@ class ParticleReader {
       if (has_[column]) fail("column '", name, "' is named twice");
       has_[column] = true;
       columns_.push_back(column);
+      if (!unit.empty()) check_unit(column, unit);
     }
     if (has_[Radius] && has_[Diameter]) fail("give either 'radius' or 'diameter', not both");
     if (!has_[Radius] && !has_[Diameter]) fail("the column 'radius' or 'diameter' is missing");
     need_all_of(X, true);
     need_all_of(Vx, has_[Vx] || has_[Vy] || has_[Vz]);
     need_all_of(Wx, has_[Wx] || has_[Wy] || has_[Wz]);
+  }
+
+  /// FileError unless `unit` is the column's own in brackets.
+  void check_unit(Column column, std::string_view unit) const {
+    if (unit != text('[', units[column], ']'))
+      fail("column '", column_names[column], "' has the unit ", in_quotes(unit),
+           ", but numbers are read in [", units[column],
+           "]; convert them, or leave the unit out if they are");
   }
 
   /// Of write_particle_csv: what is behind the motion are fields of modules.
@@ -227,11 +244,14 @@ inline void require_writable(const ParticleTable& t) {
 
 /// Reads a text table of particles. The first line names the columns, in any order: x y z [m],
 /// radius or diameter [m], and optionally density [kg/m3], vx vy vz [m/s], wx wy wz [rad/s],
-/// material [-] (a number from 0). Values are separated by commas or semicolons if the first line
-/// has any, else by white space; `#` starts a comment; the decimal sign is a point in every locale.
+/// material [-] (a number from 0). Names may have these units, as in `x [m]`. Values are separated
+/// by commas or semicolons if the first line has any, else by white space; `#` starts a comment;
+/// the decimal sign is a point in every locale. In a table of write_particle_csv, columns of fields
+/// are skipped.
+///
 /// Errors: FileError with file, line and column: missing or empty file; unknown, missing or
-///         repeated column; wrong number of values; not a number; not finite; radius or density not
-///         greater than 0. In a table of write_particle_csv, columns of fields are skipped.
+///         repeated column; another unit; wrong number of values; not a number; not finite; radius
+///         or density not greater than 0.
 inline ParticleTable read_particle_file(const std::string& path) {
   const std::string content = detail::read_text(path);
   return detail::ParticleReader(path, content).read();

@@ -152,6 +152,8 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
   /// For KEpsilon, in cells; where 0 at the first step they get the initial values of KEpsilon.
   CellField& turbulent_energy() { return equations().k; }   // [m2/s2]
   CellField& dissipation() { return equations().epsilon; }  // [m2/s3]
+  const CellField& turbulent_energy() const { return equations().k; }
+  const CellField& dissipation() const { return equations().epsilon; }
   /// For a turbulent flow after a step: [Pa s] in cells, and y+ at walls.
   const CellField& eddy_viscosity() const {
     check_turbulent();
@@ -438,10 +440,13 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
             "FlowSolver: turbulence at a wall needs FluidProperties.viscosity > 0");
     s_.turbulence.emplace(grid(), model);
   }
-  fluid_detail::TwoEquations& equations() {
+  const fluid_detail::TwoEquations& equations() const {
     require(s_.turbulence && s_.turbulence->two,
             "FlowSolver: the flow has no k and epsilon; set_turbulence(KEpsilon) first");
-    s_.forget_eddies();
+    return *s_.turbulence->two;
+  }
+  fluid_detail::TwoEquations& equations() {
+    std::as_const(*this).equations(), s_.forget_eddies();
     return *s_.turbulence->two;
   }
   void check_turbulent() const {

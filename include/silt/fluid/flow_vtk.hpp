@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include <silt/core/dyn_array.hpp>
 #include <silt/files/vtk.hpp>
@@ -31,12 +32,25 @@ inline void write_cells(const std::string& path, const Grid& g, std::span<const 
                  text("Extent=", extent), sections);
 }
 
+/// Calls use(name, its cells) for each field of a turbulent flow.
+template <class Flow, class Use>
+void for_turbulence(const Flow& flow, const Use& use) {
+  if constexpr (requires { flow.turbulence_model(); }) {
+    const std::string_view model = flow.turbulence_model();
+    if (model == "none") return;
+    use("eddy_viscosity", flow.eddy_viscosity());
+    if (model != "k-epsilon") return;
+    use("turbulent_energy", flow.turbulent_energy()), use("dissipation", flow.dissipation());
+  }
+}
+
 }  // namespace detail
 
 /// Writes a flow for ParaView, cell by cell: velocity [m/s] (interstitial; mean of the cell's
 /// faces), pressure [Pa] (without the fluid's weight), voidage [-], and `open` (1, or 0 inside
-/// walls); with `weight` also pressure_with_weight [Pa]; for a flow with heat its temperature [K].
-/// `path` should end in .vti. In a Simulation with a fluid, `vtk_series` writes the same.
+/// walls); with `weight` also pressure_with_weight [Pa]; for a flow with heat its temperature [K];
+/// for a turbulent flow eddy_viscosity [Pa s] of its last step, with KEpsilon turbulent_energy
+/// [m2/s2] and dissipation [m2/s3]. `path` should end in .vti. In a Simulation with a fluid, `vtk_series` writes the same.
 /// Errors: FileError if the file cannot be written. Tests: tests/fluid/flow_vtk.cpp.
 template <FlowOnGrid Flow>
 void write_flow(const std::string& path, const Flow& flow,
@@ -68,6 +82,15 @@ void write_flow(const std::string& path, const Flow& flow,
       detail::vtk_view("voidage", voidage), detail::vtk_view("open", open)};
   if (weight) arrays.push_back(detail::vtk_view("pressure_with_weight", whole));
   if (!temperature.empty()) arrays.push_back(detail::vtk_view("temperature", temperature));
+  DynArray<DynArray<double>> turbulence;
+  detail::for_turbulence(flow, [&](const char* name, const CellField& field) {
+    turbulence.push_back({});
+    for (int k = 0; k < g.nz(); ++k)
+      for (int j = 0; j < g.ny(); ++j)
+        turbulence.back().insert(turbulence.back().end(), field.row(j, k),
+                                 field.row(j, k) + g.nx());
+    arrays.push_back(detail::vtk_view(name, turbulence.back()));
+  });
   detail::write_cells(path, g, arrays);
 }
 

@@ -308,10 +308,12 @@ struct SphCore {
     else
       return false;
   }
-  /// With LeapfrogTime, after the sums: no tension in the first half of the next step either.
+  /// With LeapfrogTime, after the sums: no tension in the first half of the next step either. What
+  /// lowers the density of a loose particle does so down to that at rest, as parting from walls.
   void keep_growth(std::size_t k) {
-    if (columns.is_liquid(k) && is_loose(columns.rates[k]))
-      columns.growth[k] = {std::max(columns.growth[k].density, 0.0), 0};
+    if (!columns.is_liquid(k) || !is_loose(columns.rates[k])) return;
+    auto& [rate, parting] = columns.growth[k];
+    if (rate < 0) parting += rate, rate = 0;
   }
   /// Finds what the next step begins with.
   void find_start(const Team& team) {

@@ -287,8 +287,7 @@ struct SymplecticTime {
 /// Source: the positions' form of L. Verlet, Phys. Rev. 159 (1967) 98 (recalled), with densities as
 ///         positions; similar: C. Zhang, M. Rezavand, X. Hu, J. Comput. Phys. 404 (2020) 109135
 ///         (recalled).
-/// Valid:  Courant numbers up to 1. Not where bodies crowd and squeeze liquid between them: a ball
-///         mill stopped, with the cause unknown; use SymplecticTime there.
+/// Valid:  Courant numbers up to 1.
 /// Tests:  tests/sph/flows.cpp, tests/sph/waves.cpp, tests/sph/ledger.cpp.
 struct LeapfrogTime {
   static constexpr SphAxis sph_axis = SphAxis::Time;

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include <silt/core/dyn_array.hpp>
@@ -17,14 +18,16 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Brings liquid out of bodies. Where a body hits a floor or another body, the liquid between them
-/// may be pressed through the particles of a surface. Nothing brings it out again, its density
-/// drifts, and the pressure of gaps at walls (dry_gaps.hpp) was taken from it: a block twice as
-/// heavy as water rose from the floor.
+/// Brings liquid out of bodies and walls. Where a body hits a floor or another body, the liquid
+/// between them may be pressed through the particles of a surface. Nothing brings it out again, its
+/// density drifts, and the pressure of gaps at walls (dry_gaps.hpp) was taken from it: a block
+/// twice as heavy as water rose from the floor. In a floor it sinks until it leaves the region.
 ///
-/// A particle deeper than half a spacing is moved to the nearest free place, half a spacing in
-/// front of the surface, with its velocity and without pressure: along the axes, and for spheres
-/// along the radius. If there is none, it is removed, and counted as displaced.
+/// A particle deeper than half a spacing is moved half a spacing in front of the surface, with its
+/// velocity and without pressure. Out of bodies: along the axes, and for spheres along the radius,
+/// to the nearest free place; if there is none, it is removed, and counted as displaced. Out of
+/// walls: along the normal, without the part of its velocity that goes in; if a body is there,
+/// to the nearest free place beside it.
 ///
 /// Source: silt's own.
 /// Tests:  tests/sph/trapped.cpp.
@@ -43,22 +46,59 @@ class SphTrapped {
     }
     std::sort(along_x_.begin(), along_x_.end());
   }
+  /// With the lists of earlier rows, if there are any.
   void bring_out(const Team& team) {
-    if (along_x_.empty()) return;
-    auto& of = core_.columns;
-    std::array<DynArray<std::size_t>, Team::most_ranges> found;
-    team.for_ranges(of.size(), [&](std::size_t range, std::size_t from, std::size_t to) {
-      for (std::size_t k = from; k < to; ++k)
-        if (of.is_liquid(k) && body_around(of.rows[k].position(), deep_) != none)
-          found[range].push_back(k);
-    });
-    for (const auto& part : found)
-      for (const std::size_t k : part) bring_out(k);
+    if (!along_x_.empty()) {
+      find(core_.columns.size(), team, [&](std::size_t from, std::size_t to, Found& out) {
+        for (std::size_t k = from; k < to; ++k)
+          if (core_.columns.is_liquid(k) &&
+              body_around(core_.columns.rows[k].position(), deep_) != none)
+            out.push_back(k);
+      });
+      for (const auto& part : found_)
+        for (const std::size_t k : part) out_of_body(k);
+    }
+    if (core_.solids.walls.walls() == 0 || core_.lists.version() == 0 || !core_.made) return;
+    find(core_.lists.first_pack(ClusterLists::Wall), team,
+         [&](std::size_t from, std::size_t to, Found& out) {
+           for (std::size_t pack = from; pack < to; ++pack)
+             if (!core_.lists.walls(pack).empty()) find_in_walls(pack, out);
+         });
+    for (const auto& part : found_)
+      for (const std::size_t k : part) out_of_wall(k);
   }
 
  private:
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+  using Found = DynArray<std::size_t>;  // rows
 
+  template <class Look>
+  void find(std::size_t n, const Team& team, const Look& look) {
+    for (Found& part : found_) part.clear();
+    team.for_ranges(n, ClusterLists::packs_a_range,
+                    [&](std::size_t range, std::size_t from, std::size_t to) {
+                      look(from, to, found_[range]);
+                    });
+  }
+  /// Liquid of a pack deep in walls. Only what is nearer to a particle of a wall than a spacing can
+  /// be: others are not compared with surfaces.
+  void find_in_walls(std::size_t pack, Found& out) const {
+    const std::size_t W = core_.lists.width;
+    const auto& of = core_.columns;
+    double least[ClusterLists::most_width];
+    std::fill_n(least, W, INFINITY);
+    for (const auto& e : core_.lists.walls(pack)) {
+      const Vec3d x = of.rows[e.row()].position() + core_.lists.shift(e.image());
+      for (std::size_t l = 0; l < W; ++l) {
+        const SphRow& r = of.rows[pack * W + l];
+        const double dx = r.x - x.x, dy = r.y - x.y, dz = r.z - x.z;
+        least[l] = std::min(least[l], dx * dx + dy * dy + dz * dz);
+      }
+    }
+    for (std::size_t l = 0; l < W; ++l)
+      if (const std::size_t k = pack * W + l; of.is_liquid(k) && least[l] < 0.81 * s_ * s_)
+        if (core_.solids.walls.distance(of.rows[k].position()) < -deep_) out.push_back(k);
+  }
   /// Body that contains a point and its neighbours at this distance [m] along the axes.
   std::size_t body_around(const Vec3d& x, double distance) const {
     const auto& bodies = core_.solids.bodies;
@@ -85,12 +125,37 @@ class SphTrapped {
     return body_around(x, 0) == none && !sph_is_out(core_, x) &&
            (walls.walls() == 0 || walls.distance(x) > 0.4 * s_);
   }
-  void bring_out(std::size_t k) {
-    auto& of = core_.columns;
-    SphRow &r = of.rows[k], &start = of.start[k];
-    const Vec3d x = r.position();
+  void out_of_wall(std::size_t k) {
+    const Vec3d x = core_.columns.rows[k].position();
+    const auto wall = core_.solids.walls.nearest(x);
+    Vec3d way = (deep_ - wall.distance) * wall.normal;
+    if (const std::size_t b = body_around(x + way, 0); b != none) {
+      const auto beside = way_out(b, x + way, 0);
+      if (!beside) return;
+      way += *beside;
+    }
+    if (sph_is_out(core_, x + way)) return;
+    sph_goes(core_, k, true);
+    const Vec3d u = core_.solids.walls.velocity_at(wall.wall, x);
+    for (SphRow* r : {&core_.columns.rows[k], &core_.columns.start[k]}) {
+      const double in = std::min(0.0, dot(r->velocity() - u, wall.normal));
+      r->move(r->velocity() - in * wall.normal);
+    }
+    put(k, way);
+  }
+  void out_of_body(std::size_t k) {
+    const Vec3d x = core_.columns.rows[k].position();
     const std::size_t b = body_around(x, deep_);
     if (b == none) return;
+    const auto way = way_out(b, x, deep_);
+    sph_goes(core_, k, true);
+    if (way)
+      put(k, *way);
+    else
+      core_.columns.take_out(k), ++core_.displaced;
+  }
+  /// [m] from a point in a body, `deep` [m] or more, to the nearest free place.
+  std::optional<Vec3d> way_out(std::size_t b, const Vec3d& x, double deep) const {
     const auto& body = core_.solids.bodies.bodies[b];
     const Vec3d arm = core_.lists.repeats.shortest(x - body.centre);
     DynArray<Vec3d> ways;
@@ -100,19 +165,19 @@ class SphTrapped {
       if (d != 1 || core_.setup.dimensions == 3)
         ways.push_back(along(d, 1)), ways.push_back(along(d, -1));
     double least = INFINITY;
-    Vec3d best{0, 0, 0};
+    std::optional<Vec3d> best;
     for (const Vec3d& way : ways) {
-      double far = deep_;
+      double far = deep;
       while (far < least && core_.solids.bodies.holds(body, arm + far * way)) far += 0.25 * s_;
       far += 0.5 * s_;
       if (far < least && is_free(x + far * way)) least = far, best = far * way;
     }
-    sph_goes(core_, k, true);
-    if (!(least < INFINITY)) {
-      of.take_out(k), ++core_.displaced;
-      return;
-    }
-    const Vec3d to = core_.lists.repeats.wrapped(x + best) - x;
+    return best;
+  }
+  /// Moves the particle of a row, which has gone as displaced.
+  void put(std::size_t k, const Vec3d& way) {
+    SphRow &r = core_.columns.rows[k], &start = core_.columns.start[k];
+    const Vec3d x = r.position(), to = core_.lists.repeats.wrapped(x + way) - x;
     r.place(x + to), start.place(start.position() + to);
     r.density = start.density = core_.liquid.density;
     sph_returns(core_, k);
@@ -121,6 +186,7 @@ class SphTrapped {
   Core& core_;
   double s_, deep_ = 0.5 * s_, most_ = 0;               // [m] spacing, depth, largest reach
   DynArray<std::pair<double, std::uint32_t>> along_x_;  // x [m] of each body, and of its images
+  std::array<Found, Team::most_ranges> found_{};
 };
 
 }  // namespace silt::detail

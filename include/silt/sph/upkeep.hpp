@@ -23,8 +23,8 @@
 namespace silt::inline SILT_TARGET::detail {
 
 /// Maintenance of rows and lists of an SphCore. Lists are valid until a particle has moved by more
-/// than its slack, which increases with its speed. Otherwise the few fast particles of drops and
-/// splashes would force new lists every second step.
+/// than its slack, which increases with its speed. With the same for all, the few fast particles of
+/// drops and splashes would force new lists every second step.
 /// @{
 
 /// Whether solids far from liquid have no rows. Solids whose only state is in their rows keep them,
@@ -32,32 +32,26 @@ namespace silt::inline SILT_TARGET::detail {
 template <class Core>
 constexpr bool sph_chooses_solids = Core::Walls::mirrored && !Core::Grains::averaged;
 
-/// Slack [m] of a particle with this `speed`, in liquid with the mean speed `mean` [m/s].
+/// Slack [m] of a particle with this `speed` [m/s]: what it goes in some steps. Few are fast.
 template <class Core>
-double sph_slack(const Core& core, double speed, double mean) {
-  const double slow = 1e-3 * core.liquid.sound_speed;
-  return core.setup.spacing * std::min(0.04 + 0.08 * speed / (mean + slow), 0.4);
+double sph_slack(const Core& core, double speed) {
+  constexpr double steps = 5, most = 1.5;  // [-]
+  const double step = core.setup.courant * core.setup.h() / core.liquid.sound_speed;
+  return std::min(0.04 * core.setup.spacing + steps * step * speed, most * core.setup.spacing);
 }
-/// [m/s] Root mean square of all, and the largest.
+/// [m/s] Largest speed of the liquid.
 template <class Core>
-std::pair<double, double> sph_speeds(const Core& core, const Team& team) {
-  struct Sum {
-    double sum = 0, most = 0, count = 0;
-  };
-  std::array<Sum, Team::most_ranges> parts{};
+double sph_fastest(const Core& core, const Team& team) {
+  std::array<double, Team::most_ranges> parts{};
   const auto& of = core.columns;
   team.for_ranges(of.size(), [&](std::size_t range, std::size_t from, std::size_t to) {
-    Sum& p = parts[range];
     for (std::size_t k = from; k < to; ++k) {
       if (of.kind[k] != ClusterLists::Liquid || of.label[k] == ClusterLists::none) continue;
       const Vec3d v = of.rows[k].velocity();
-      p.sum += dot(v, v), p.most = std::max(p.most, dot(v, v)), ++p.count;
+      parts[range] = std::max(parts[range], dot(v, v));
     }
   });
-  Sum all;
-  for (const Sum& p : parts)
-    all.sum += p.sum, all.most = std::max(all.most, p.most), all.count += p.count;
-  return {std::sqrt(all.sum / std::max(all.count, 1.0)), std::sqrt(all.most)};
+  return std::sqrt(*std::max_element(parts.begin(), parts.end()));
 }
 
 /// Whether no particle has moved by more than its slack.
@@ -150,8 +144,7 @@ void sph_renew(Core& core, const Team& team) {
                            [&](const Vec3d& x) { return solids.walls.distance(x); });
   sph_wrap_liquid(core);
   SphTrapped(core).bring_out(team);
-  const auto [of_liquid, fastest] = sph_speeds(core, team);
-  const double of_walls = solids.walls.fastest(), mean = std::max(of_liquid, 0.5 * of_walls);
+  const double fastest = sph_fastest(core, team), of_walls = solids.walls.fastest();
   const auto put = [&](const auto& is_near) {
     solids.put_into(of, core.liquid.density, Core::Walls::mirrored, core.small_grains(),
                     core.lists.repeats, is_near, team);
@@ -160,8 +153,7 @@ void sph_renew(Core& core, const Team& team) {
     double most = of_walls;
     solids.bodies.for_those_that_go_farthest(
         [&](std::size_t k) { most = std::max(most, solids.bodies.fastest(k)); });
-    const double reach =
-        2 * core.setup.h() + sph_slack(core, fastest, mean) + sph_slack(core, most, mean);
+    const double reach = 2 * core.setup.h() + sph_slack(core, fastest) + sph_slack(core, most);
     if (solids.size() > 0)
       core.near.find(of, core.lists.repeats, reach, core.setup.spacing, core.setup.dimensions == 2,
                      team);
@@ -176,12 +168,11 @@ void sph_renew(Core& core, const Team& team) {
 
   DynArray<double>& slack = core.slack;
   slack.assign(of.size(), 0);
-  const double most = fastest;
   team.for_ranges(of.size(), [&](std::size_t, std::size_t from, std::size_t to) {
     for (std::size_t k = from; k < to; ++k) {
       const std::uint32_t label = of.label[k];
       if (label == ClusterLists::none) continue;
-      double speed = most;  // of openings' probes
+      double speed = fastest;  // of openings' probes
       if (of.kind[k] == ClusterLists::Liquid)
         speed = norm(of.rows[k].velocity());
       else if (label < solids.walls.size())
@@ -190,7 +181,7 @@ void sph_renew(Core& core, const Team& team) {
         speed = solids.bodies.fastest(label - solids.walls.size());
       else if constexpr (Core::Grains::averaged)
         if (label < SphColumns::of_openings) speed = core.grains.speed(label - solids.size());
-      slack[k] = sph_slack(core, speed, mean);
+      slack[k] = sph_slack(core, speed);
     }
   });
   sph_make_lists(core, of.rows, slack, team);

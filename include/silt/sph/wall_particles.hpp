@@ -256,6 +256,10 @@ class WallParticles {
   }
   /// [m/s] at a point in a wall's own coordinates.
   Vec3d velocity_of(std::size_t w, const Vec3d& own) const { return walls_[w].velocity(own); }
+  /// ... at a point in space.
+  Vec3d velocity_at(std::size_t w, const Vec3d& x) const {
+    return velocity_of(w, walls_[w].pose.to_body(x));
+  }
   /// ... at the particle.
   Vec3d own_velocity(std::size_t k) const {
     return velocity_of(particles_[k].wall, particles_[k].at) + belt_velocity(k);
