@@ -45,7 +45,7 @@ TEST_CASE("SPH lists: every pair within reach is listed once, under its own imag
         Packed p = scattered(dimensions, repeats, width, width);
         p.arrange(reach);
         const auto& rows = p.columns.rows;
-        std::size_t listed = 0, wanted = 0, wrong = 0;
+        std::size_t listed = 0, wanted = 0, edge = 0, wrong = 0;
         for (std::size_t pack = 0; pack < p.lists.packs(); ++pack) {
           std::map<std::pair<std::size_t, std::uint32_t>, int> seen;
           for (const auto of : {p.lists.liquid(pack), p.lists.walls(pack)})
@@ -60,6 +60,7 @@ TEST_CASE("SPH lists: every pair within reach is listed once, under its own imag
               const bool meet = kb == ClusterLists::Liquid ||
                                 (ka == ClusterLists::Liquid && kb == ClusterLists::Wall);
               const Vec3d d = way(rows[a], rows[b], p.lists.repeats);
+              if (meet && norm(d) >= reach && norm(d) < reach + 1e-5) ++edge;
               if (!meet || !(norm(d) < reach)) continue;
               ++wanted;
               bool found = false;
@@ -73,8 +74,10 @@ TEST_CASE("SPH lists: every pair within reach is listed once, under its own imag
         }
         CHECK(wrong == 0);
         CHECK(wanted > 10000);
-        // Of one that is alone there is no more than what is near; packs list some beyond.
-        if (width == 1) CHECK(listed == wanted);
+        // Of one that is alone there is no more than what is near, or too little beyond for floats
+        // to tell; packs list some beyond.
+        if (width == 1) CHECK(listed >= wanted);
+        if (width == 1) CHECK(listed <= wanted + edge);
       }
 }
 
@@ -119,36 +122,48 @@ TEST_CASE(
 }
 
 TEST_CASE("SPH: places near liquid are found, and those farther than a cell beyond are not") {
-  for (const int dimensions : {2, 3})
-    for (const bool repeats : {false, true}) {
-      CAPTURE(dimensions);
-      CAPTURE(repeats);
-      Packed p = scattered(dimensions, repeats, 8, 11);
-      // Few of them, or all places would be near.
-      for (std::size_t k = 0; k < p.columns.size(); ++k)
-        if (k % (dimensions == 2 ? 40 : 10) != 0) p.columns.take_out(k);
-      const double reach = 0.09, cell = 0.5 * 0.05;
-      silt::detail::NearLiquid near;
-      near.find(p.columns, p.lists.repeats, reach, 0.05, dimensions == 2, silt::Team(2));
-      silt::Random random(2);
-      std::size_t wrong = 0, yes = 0, no = 0;
-      for (int n = 0; n < 3000; ++n) {
-        const double low = repeats ? 0 : -0.5, high = repeats ? 1 : 1.5;
-        const Vec3d x{random.uniform(low, high), dimensions == 2 ? 0 : random.uniform(low, high),
-                      random.uniform(low, high)};
-        double least = 1e300;
+  // One in so many particles reaches twice as far; of many, all are taken to do so.
+  for (const std::uint32_t far_one_in : {0, 20, 3})
+    for (const int dimensions : {2, 3})
+      for (const bool repeats : {false, true}) {
+        CAPTURE(far_one_in);
+        CAPTURE(dimensions);
+        CAPTURE(repeats);
+        Packed p = scattered(dimensions, repeats, 8, 11);
+        // Few of them, or all places would be near.
         for (std::size_t k = 0; k < p.columns.size(); ++k)
-          if (p.columns.kind[k] == ClusterLists::Liquid)
-            least =
-                std::min(least, norm(p.lists.repeats.shortest(x - p.columns.rows[k].position())));
-        const bool is_near = near(x);
-        wrong += least < reach && !is_near, wrong += is_near && least > reach + 2 * 1.74 * cell;
-        yes += is_near, no += !is_near;
+          if (k % (dimensions == 2 ? 40 : 10) != 0) p.columns.take_out(k);
+        const double reach = 0.06, cell = 0.5 * 0.05;
+        const auto is_far = [&](std::size_t k) {
+          return far_one_in > 0 &&
+                 p.columns.label[k] / (dimensions == 2 ? 40 : 10) % far_one_in == 1;
+        };
+        const auto reach_of = [&](std::size_t k) { return is_far(k) ? 2 * reach : reach; };
+        silt::detail::NearLiquid near;
+        near.find(p.columns, p.lists.repeats, reach, reach_of, 0.05, dimensions == 2,
+                  silt::Team(2));
+        silt::Random random(2);
+        std::size_t wrong = 0, yes = 0, no = 0, by_far = 0;
+        for (int n = 0; n < 3000; ++n) {
+          const double low = repeats ? 0 : -0.5, high = repeats ? 1 : 1.5;
+          const Vec3d x{random.uniform(low, high), dimensions == 2 ? 0 : random.uniform(low, high),
+                        random.uniform(low, high)};
+          double least = 1e300, beyond = 1e300;  // [m] from a particle, and from its reach
+          for (std::size_t k = 0; k < p.columns.size(); ++k)
+            if (p.columns.kind[k] == ClusterLists::Liquid && p.is_there(k)) {
+              const double d = norm(p.lists.repeats.shortest(x - p.columns.rows[k].position()));
+              least = std::min(least, d);
+              beyond = std::min(beyond, d - (far_one_in == 3 ? 2 * reach : reach_of(k)));
+            }
+          const bool is_near = near(x);
+          wrong += beyond < 0 && !is_near, wrong += is_near && beyond > 2 * 1.74 * cell;
+          yes += is_near, no += !is_near, by_far += beyond < 0 && least > reach;
+        }
+        CHECK(wrong == 0);
+        CHECK(yes > 100);
+        CHECK(no > 100);
+        CHECK((by_far > 0) == (far_one_in > 0));
       }
-      CHECK(wrong == 0);
-      CHECK(yes > 100);
-      CHECK(no > 100);
-    }
 }
 
 TEST_CASE("SPH lists: the order is the same for every number of threads") {

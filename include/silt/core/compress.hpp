@@ -45,6 +45,13 @@ SILT_INLINE std::uint32_t* put_places(std::size_t k, std::uint64_t bits, std::ui
         _mm512_castsi512_si256(_mm512_maskz_compress_epi32(static_cast<__mmask16>(bits), places)));
     return out + std::popcount(bits);
   }
+  if constexpr (Width == 16) {
+    const __m512i places =
+        _mm512_add_epi32(_mm512_set1_epi32(static_cast<int>(first)),
+                         _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
+    _mm512_storeu_si512(out, _mm512_maskz_compress_epi32(static_cast<__mmask16>(bits), places));
+    return out + std::popcount(bits);
+  }
 #endif
   for (std::uint32_t lane = 0; lane < Width; ++lane) {
     *out = first + lane;

@@ -252,15 +252,25 @@ inline std::uint64_t lane_bits(const M& mask) {
                   std::is_same_v<M, xsimd::batch_bool<double, xsimd::avx512dq>> ||
                   std::is_same_v<M, xsimd::batch_bool<double, xsimd::avx512f>>)
       return static_cast<__mmask8>(mask);
+    if constexpr (std::is_same_v<M, xsimd::batch_bool<float, xsimd::avx512bw>> ||
+                  std::is_same_v<M, xsimd::batch_bool<float, xsimd::avx512dq>> ||
+                  std::is_same_v<M, xsimd::batch_bool<float, xsimd::avx512f>>)
+      return static_cast<__mmask16>(mask);
 #endif
     // clang converts masks of floats to those of doubles, which have other lanes.
     [[maybe_unused]] constexpr bool of_doubles =
         std::is_same_v<typename M::batch_type::value_type, double>;
+    [[maybe_unused]] constexpr bool of_floats =
+        std::is_same_v<typename M::batch_type::value_type, float>;
 #if defined(__AVX__)
+    if constexpr (of_floats && requires { _mm256_movemask_ps(mask); })
+      return static_cast<std::uint64_t>(_mm256_movemask_ps(mask));
     if constexpr (of_doubles && requires { _mm256_movemask_pd(mask); })
       return static_cast<std::uint64_t>(_mm256_movemask_pd(mask));
 #endif
 #if defined(__SSE2__)
+    if constexpr (of_floats && requires { _mm_movemask_ps(mask); })
+      return static_cast<std::uint64_t>(_mm_movemask_ps(mask));
     if constexpr (of_doubles && requires { _mm_movemask_pd(mask); })
       return static_cast<std::uint64_t>(_mm_movemask_pd(mask));
 #endif

@@ -104,19 +104,28 @@ class ClusterLists {
   }
   std::size_t packs() const { return order_.size() / width; }
 
-  /// Finds all particles within `reach` [m] of each pack; `rows` are in the order of sort(). With
+  /// Finds all particles within `reach` [m] of each pack, and some that are beyond by up to 1e-6 of
+  /// the space's extent; `rows` are in the order of sort(). With
   /// `slack` [m] of each row: all that can come within reach before one of them has moved by more
   /// than its slack.
   void find(std::span<const SphRow> rows, double reach, const Team& team,
             std::span<const double> slack = {}) {
     ++version_;
     const std::size_t n = packs();
-    for (auto* const of : {&x_, &y_, &z_, &slack_}) make_room(*of, rows.size() + lanes);
+    for (auto* const of : {&x_, &y_, &z_, &slack_}) make_room(*of, rows.size());
+    for (auto* const of : {&near_x_, &near_y_, &near_z_, &near_slack_})
+      make_room(*of, rows.size() + lanes);
     team.for_ranges(rows.size(), [&](std::size_t, std::size_t from, std::size_t to) {
-      for (std::size_t k = from; k < to; ++k)
-        x_[k] = rows[k].x, y_[k] = rows[k].y, z_[k] = rows[k].z,
+      for (std::size_t k = from; k < to; ++k) {
+        x_[k] = rows[k].x, y_[k] = rows[k].y, z_[k] = rows[k].z;
         slack_[k] = slack.empty() ? 0 : slack[k];
+        const Near x = near(rows[k].position());
+        near_x_[k] = x.x, near_y_[k] = x.y, near_z_[k] = x.z;
+        near_slack_[k] = static_cast<float>(slack_[k]);
+      }
     });
+    const Vec3d e = extent_.extent(), &l = repeats.length;
+    reach += 1e-6 * (e.x + e.y + e.z + l.x + l.y + l.z);  // [m] more than floats lose
     for (Group& g : groups_) {
       g.slack.assign(g.count.size(), 0), g.most_slack = 0;
       for (std::size_t c = 0; c < g.count.size(); ++c) {
@@ -174,8 +183,10 @@ class ClusterLists {
 
  private:
   static constexpr std::size_t packs_a_part = 64, room = 2048;
-  using Real = Lanes<DefaultArch>::Real;
-  static constexpr std::size_t lanes = Lanes<DefaultArch>::width;
+  // Distances are compared in floats, from the lowest corner of all particles on.
+  using Real = Lanes<DefaultArch, float>::Real;
+  using Near = Vec3<float>;
+  static constexpr std::size_t lanes = Lanes<DefaultArch, float>::width;
   struct Key {
     double z;
     std::uint32_t row;
@@ -202,14 +213,15 @@ class ClusterLists {
       for (std::size_t l = 0; l < of.width; ++l) {
         const std::size_t k = pack * of.width + l;
         if (!rows[k].is_there()) continue;
-        x_[count_] = rows[k].x - away.x, y_[count_] = rows[k].y - away.y;
-        z_[count_] = rows[k].z - away.z, reach_[count_++] = reach + of.slack_[k];
+        const Near x = of.near(rows[k].position() - away);
+        x_[count_] = x.x, y_[count_] = x.y, z_[count_] = x.z;
+        reach_[count_++] = static_cast<float>(reach + of.slack_[k]);
       }
       for (; count_ % lanes != 0; ++count_)  // the first one again
         x_[count_] = x_[0], y_[count_] = y_[0], z_[count_] = z_[0], reach_[count_] = reach_[0];
     }
     /// Whether one of them sees a particle with this slack [m].
-    SILT_INLINE bool see(double x, double y, double z, double slack) const {
+    SILT_INLINE bool see(float x, float y, float z, float slack) const {
       for (std::size_t k = 0; k < count_; k += lanes) {
         const Real dx = load<Real>(x_ + k) - Real(x), dy = load<Real>(y_ + k) - Real(y),
                    dz = load<Real>(z_ + k) - Real(z), within = load<Real>(reach_ + k) + Real(slack);
@@ -219,10 +231,14 @@ class ClusterLists {
     }
 
    private:
-    alignas(64) double x_[most_width], y_[most_width], z_[most_width], reach_[most_width];
+    alignas(64) float x_[most_width], y_[most_width], z_[most_width], reach_[most_width];
     std::size_t count_ = 0;
   };
 
+  Near near(const Vec3d& x) const {
+    return {static_cast<float>(x.x - extent_.min.x), static_cast<float>(x.y - extent_.min.y),
+            static_cast<float>(x.z - extent_.min.z)};
+  }
   std::span<const Entry> of(std::size_t pack, std::size_t which) const {
     const List& list = lists_[pack / packs_a_part];
     const std::size_t k = 2 * (pack % packs_a_part) + which;
@@ -341,8 +357,9 @@ class ClusterLists {
     const auto [i0, i1] = range(0, box.min.x - reach, box.max.x + reach);
     const auto [j0, j1] =
         columns_[1] == 1 ? std::pair{0, 0} : range(1, box.min.y - reach, box.max.y + reach);
-    const Vec3<Real> from{Real(box.min.x), Real(box.min.y), Real(box.min.z)},
-        to{Real(box.max.x), Real(box.max.y), Real(box.max.z)};
+    const Near first = near(box.min), last = near(box.max);
+    const Vec3<Real> from{Real(first.x), Real(first.y), Real(first.z)},
+        to{Real(last.x), Real(last.y), Real(last.z)};
     std::uint32_t found[room + 16], *next = found;
     for (int i = i0; i <= i1; ++i)
       for (int j = j0; j <= j1; ++j) {
@@ -352,20 +369,20 @@ class ClusterLists {
         const double x = beside(0, i, box.min.x, box.max.x), y = beside(1, j, box.min.y, box.max.y),
                      far = own + g.slack[c], left = far * far - x * x - y * y;
         if (!(left > 0)) continue;
-        const double up = std::sqrt(left) * (1 + 1e-9), low = box.min.z - up, high = box.max.z + up;
+        const auto up = static_cast<float>(std::sqrt(left));
+        const float low = first.z - up, high = last.z + up;
         const std::size_t end = g.start[c] + g.count[c];
-        std::size_t k = static_cast<std::size_t>(
-            std::lower_bound(z_.begin() + g.start[c], z_.begin() + static_cast<std::ptrdiff_t>(end),
-                             low) -
-            z_.begin());
-        for (; k < end && z_[k] <= high; k += lanes) {
-          const Real dx = outside(load_any<Real>(&x_[k]), from.x, to.x),
-                     dy = outside(load_any<Real>(&y_[k]), from.y, to.y),
-                     dz = outside(load_any<Real>(&z_[k]), from.z, to.z);
-          const Real within = Real(own) + load_any<Real>(&slack_[k]);
-          std::uint64_t near = lane_bits(dx * dx + dy * dy + dz * dz < within * within);
-          if (end - k < lanes) near &= (std::uint64_t{1} << (end - k)) - 1;
-          next = put_places<lanes>(k, near, next);
+        const auto* const z = near_z_.data();
+        std::size_t k =
+            static_cast<std::size_t>(std::lower_bound(z + g.start[c], z + end, low) - z);
+        for (; k < end && z[k] <= high; k += lanes) {
+          const Real dx = outside(load_any<Real>(&near_x_[k]), from.x, to.x),
+                     dy = outside(load_any<Real>(&near_y_[k]), from.y, to.y),
+                     dz = outside(load_any<Real>(&z[k]), from.z, to.z);
+          const Real within = Real(static_cast<float>(own)) + load_any<Real>(&near_slack_[k]);
+          std::uint64_t seen = lane_bits(dx * dx + dy * dy + dz * dz < within * within);
+          if (end - k < lanes) seen &= (std::uint64_t{1} << (end - k)) - 1;
+          next = put_places<lanes>(k, seen, next);
           if (next > found + room) take(found, next, members, image, out), next = found;
         }
       }
@@ -375,7 +392,7 @@ class ClusterLists {
   void take(const std::uint32_t* from, const std::uint32_t* to, const Members& members,
             std::uint32_t image, DynArray<Entry>& out) const {
     for (; from != to; ++from)
-      if (members.see(x_[*from], y_[*from], z_[*from], slack_[*from]))
+      if (members.see(near_x_[*from], near_y_[*from], near_z_[*from], near_slack_[*from]))
         out.push_back({*from | image});
   }
   static SILT_INLINE Real outside(const Real& x, const Real& low, const Real& high) {
@@ -392,7 +409,8 @@ class ClusterLists {
   DynArray<std::uint32_t> order_;
   DynArray<List> lists_;
   DynArray<std::uint8_t> sees_liquid_;       // by pack
-  AlignedVector<double> x_, y_, z_, slack_;  // of rows
+  AlignedVector<double> x_, y_, z_, slack_;  // [m] of rows
+  AlignedVector<float> near_x_, near_y_, near_z_, near_slack_;
 };
 
 }  // namespace silt::detail

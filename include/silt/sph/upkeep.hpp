@@ -153,10 +153,13 @@ void sph_renew(Core& core, const Team& team) {
     double most = of_walls;
     solids.bodies.for_those_that_go_farthest(
         [&](std::size_t k) { most = std::max(most, solids.bodies.fastest(k)); });
-    const double reach = 2 * core.setup.h() + sph_slack(core, fastest) + sph_slack(core, most);
+    const double reach = 2 * core.setup.h() + sph_slack(core, most);
+    const auto reach_of = [&](std::size_t k) {
+      return reach + sph_slack(core, norm(of.rows[k].velocity()));
+    };
     if (solids.size() > 0)
-      core.near.find(of, core.lists.repeats, reach, core.setup.spacing, core.setup.dimensions == 2,
-                     team);
+      core.near.find(of, core.lists.repeats, reach + 0.3 * core.setup.spacing, reach_of,
+                     core.setup.spacing, core.setup.dimensions == 2, team);
     put(core.near);
   } else if (first) {
     put([](const Vec3d&) { return true; });
