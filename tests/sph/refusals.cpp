@@ -220,6 +220,18 @@ TEST_CASE("SPH: liquid that has left the region, or of few particles, is warned 
   REQUIRE(few.warnings().size() == 1);
   silt_test::has(few.warnings()[0], "it has 10 particles at a spacing of 0.02 m");
 
+  Liquid gas = water;
+  gas.density = 1;
+  SphSetup heavy = low, weightless = low;
+  heavy.gravity = {0, 0, -9.81}, weightless.gravity = {0, 0, 0};
+  Sph thin{gas, heavy}, space{gas, weightless};
+  for (Sph<>* one : {&thin, &space}) one->fill([](const Vec3d& x) { return x.z < 0.02; });
+  CHECK(space.warnings().empty());
+  REQUIRE(thin.warnings().size() == 1);
+  silt_test::has(thin.warnings()[0],
+                 "the liquid: Liquid.density = 1 kg/m3 is that of a gas; water has 1000: a density "
+                 "in g/cm3 is a thousandth of that in kg/m3");
+
   Simulation sim{
       Particles<Sphere>{},
       Contacts<HertzMindlin>{

@@ -70,6 +70,11 @@ template <class Core>
                  " %) have left SphSetup.region, from ", region.min, " to ", region.max,
                  " m, and are lost; close the walls or enlarge the region; where liquid should "
                  "leave, put an outlet (Sph::add_outlet)"));
+  const double g = norm(core.gravity);
+  if (g > 9.7 && g < 9.9 && core.liquid.density < 50)  // in SI, at Earth's gravity
+    out.push_back(sentence("the liquid: Liquid.density = ", core.liquid.density,
+                           " kg/m3 is that of a gas; water has 1000: a density in g/cm3 is a "
+                           "thousandth of that in kg/m3"));
   if (core.disc.mass > 0)
     out.push_back(sentence(
         "the liquid: in 2D a sphere displaces what a disc does that is 1 m long, but has the mass "

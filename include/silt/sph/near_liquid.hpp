@@ -18,8 +18,8 @@
 namespace silt::inline SILT_TARGET::detail {
 
 /// Map of places that may have liquid within its reach [m]: complete, and too large by at most one
-/// cell of half a spacing. One bit per cell: cells with liquid are dilated by a sphere, all by the
-/// same one, and the few fast particles that reach farther each by its own.
+/// cell of half a spacing. Cells with liquid are dilated by a sphere, all by the same one, and the
+/// few fast particles that reach farther each by its own.
 /// Tests: tests/sph/cluster_lists.cpp, against all pairs.
 class NearLiquid {
  public:
@@ -62,6 +62,7 @@ class NearLiquid {
   }
 
  private:
+  using Squared = std::uint16_t;
   static std::size_t at_(int d) { return static_cast<std::size_t>(d); }
   template <class Use>
   static void for_liquid(const SphColumns& of, const Use& use) {
@@ -116,61 +117,89 @@ class NearLiquid {
     }
     words_ = (static_cast<std::size_t>(cells_[2]) + 63) / 64;
   }
-  /// use(column, cells up and down) for columns around (i, j) whose nearest points are within
-  /// reach.
-  template <class Use>
-  void for_columns(int i, int j, double reach, bool plane, const Use& use) const {
+  /// Cells whose nearest points are within reach of one.
+  void add_ball(int i, int j, int z, double reach, bool plane) {
     const auto apart = [](int k) { return static_cast<double>(std::max(std::abs(k) - 1, 0)); };
     const int most = static_cast<int>(reach / cell_) + 1, across = plane ? 0 : most;
     for (int a = std::max(i - most, 0); a <= std::min(i + most, cells_[0] - 1); ++a)
       for (int b = std::max(j - across, 0); b <= std::min(j + across, cells_[1] - 1); ++b) {
         const double x = cell_ * apart(a - i), y = cell_ * apart(b - j),
                      left = reach * reach - x * x - y * y;
-        if (left >= 0) use(column(a, b), static_cast<int>(std::sqrt(left) / cell_) + 1);
+        if (!(left >= 0)) continue;
+        const int up = static_cast<int>(std::sqrt(left) / cell_) + 1;
+        for (int at = std::max(z - up, 0); at <= std::min(z + up, cells_[2] - 1); ++at)
+          near_[column(a, b) * words_ + static_cast<std::size_t>(at) / 64] |= std::uint64_t{1}
+                                                                              << (at % 64);
       }
   }
-  void add_ball(int i, int j, int z, double reach, bool plane) {
-    for_columns(i, j, reach, plane, [&](std::size_t c, int up) {
-      for (int at = std::max(z - up, 0); at <= std::min(z + up, cells_[2] - 1); ++at)
-        near_[c * words_ + static_cast<std::size_t>(at) / 64] |= std::uint64_t{1} << (at % 64);
+  /// ... of all: the smallest squared distance in cells, first
+  /// along z, then with those of the neighbours along y, then along x.
+  void spread(double reach, bool plane, const Team& team) {
+    const double cells = reach / cell_;
+    const int most = static_cast<int>(cells) + 1, across = plane ? 0 : most;
+    const auto limit = static_cast<Squared>(std::min(cells * cells + 1e-6, 3e4)),
+               beyond = Squared(limit + 1);
+    const auto cost = [](int k) { return static_cast<Squared>(k > 1 ? (k - 1) * (k - 1) : 0); };
+    const int ni = cells_[0], nj = cells_[1];
+    const std::size_t tall = 64 * words_;
+    along_y_.resize(columns() * tall), slab_.resize(columns());
+    near_.assign(columns() * words_, 0);
+    const auto least = [tall](Squared* to, const Squared* from, Squared more) {
+      for (std::size_t z = 0; z < tall; ++z)
+        to[z] = std::min(to[z], static_cast<Squared>(from[z] + more));
+    };
+    team.for_parts(static_cast<std::size_t>(ni), [&](std::size_t slab) {
+      DynArray<Squared> along_z(static_cast<std::size_t>(nj) * tall);
+      const std::size_t first = slab * static_cast<std::size_t>(nj);
+      for (std::size_t j = 0; j < static_cast<std::size_t>(nj); ++j)
+        if (filled_[first + j] != 0) go_along_z(first + j, cost, beyond, most, &along_z[j * tall]);
+      for (int j = 0; j < nj; ++j) {
+        const std::size_t c = first + static_cast<std::size_t>(j);
+        Squared* const to = &along_y_[c * tall];
+        std::fill_n(to, tall, beyond), slab_[c] = 0;
+        for (int b = std::max(j - across, 0); b <= std::min(j + across, nj - 1); ++b)
+          if (filled_[first + static_cast<std::size_t>(b)] != 0)
+            least(to, &along_z[static_cast<std::size_t>(b) * tall], cost(std::abs(b - j))),
+                slab_[c] = 1;
+      }
+    });
+    team.for_parts(static_cast<std::size_t>(ni), [&](std::size_t part) {
+      const int i = static_cast<int>(part);
+      DynArray<Squared> of(tall);
+      for (int j = 0; j < nj; ++j) {
+        std::fill_n(of.data(), tall, beyond);
+        for (int a = std::max(i - most, 0); a <= std::min(i + most, ni - 1); ++a)
+          if (const std::size_t c = column(a, j); slab_[c] != 0)
+            least(of.data(), &along_y_[c * tall], cost(std::abs(a - i)));
+        std::uint64_t* const bits = &near_[column(i, j) * words_];
+        for (std::size_t z = 0; z < tall; ++z)
+          bits[z / 64] |= std::uint64_t{of[z] <= limit} << (z % 64);
+      }
     });
   }
-  void spread(double reach, bool plane, const Team& team) {
-    const auto up = static_cast<std::size_t>(reach / cell_) + 2, all = columns() * words_;
-    tall_.assign(up * all, 0);  // dilated along z by 0, 1, ... cells
-    near_.assign(all, 0);
-    team.for_ranges(columns(), 16, [&](std::size_t, std::size_t first, std::size_t last) {
-      for (std::size_t c = first * words_; c < last * words_; ++c) tall_[c] = wet_[c];
-      for (std::size_t k = 1; k < up; ++k)
-        for (std::size_t c = first; c < last; ++c)
-          for (std::size_t w = 0; w < words_; ++w) {
-            const std::uint64_t* const of = &tall_[(k - 1) * all + c * words_];
-            const std::uint64_t below = w > 0 ? of[w - 1] >> 63 : 0,
-                                above = w + 1 < words_ ? of[w + 1] << 63 : 0;
-            tall_[k * all + c * words_ + w] = of[w] | of[w] << 1 | below | of[w] >> 1 | above;
-          }
-    });
-    team.for_ranges(columns(), 16, [&](std::size_t, std::size_t first, std::size_t last) {
-      for (std::size_t c = first; c < last; ++c)
-        for_columns(
-            static_cast<int>(c / static_cast<std::size_t>(cells_[1])),
-            static_cast<int>(c % static_cast<std::size_t>(cells_[1])), reach, plane,
-            [&](std::size_t other, int k) {
-              if (filled_[other] == 0) return;
-              const std::uint64_t* const from =
-                  &tall_[std::min(static_cast<std::size_t>(k), up - 1) * all + other * words_];
-              for (std::size_t w = 0; w < words_; ++w) near_[c * words_ + w] |= from[w];
-            });
-    });
+  /// Squared distances along z from the wet cells of a column.
+  template <class Cost>
+  void go_along_z(std::size_t c, const Cost& cost, Squared beyond, int most, Squared* to) const {
+    const int tall = static_cast<int>(64 * words_);
+    const auto is_wet = [&](int z) {
+      return (wet_[c * words_ + static_cast<std::size_t>(z) / 64] >> (z % 64) & 1) != 0;
+    };
+    for (int z = 0, d = most + 1; z < tall; ++z)
+      d = is_wet(z) ? 0 : std::min(d + 1, most + 1), to[z] = d > most ? beyond : cost(d);
+    for (int z = tall - 1, d = most + 1; z >= 0; --z) {
+      d = is_wet(z) ? 0 : std::min(d + 1, most + 1);
+      if (d <= most) to[z] = std::min(to[z], cost(d));
+    }
   }
 
   std::array<double, 3> low_{};
   std::array<int, 3> cells_{1, 1, 1};
   double cell_ = 1;
   std::size_t words_ = 1;
-  DynArray<std::uint64_t> wet_, tall_, near_{0};
-  DynArray<char> filled_;      // whether a column has a wet cell
-  DynArray<std::size_t> far_;  // rows that reach farther than others
+  DynArray<std::uint64_t> wet_, near_{0};
+  DynArray<char> filled_, slab_;  // whether a column has a wet cell, and one of those along y
+  DynArray<Squared> along_y_;     // [-] in cells
+  DynArray<std::size_t> far_;     // rows that reach farther than others
 };
 
 }  // namespace silt::detail
