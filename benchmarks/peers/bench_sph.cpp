@@ -56,7 +56,7 @@ struct Scene {
   double spacing = 0.01, density = 1000, sound = 20, speed = 1, alpha = 0.1;
   double length() const { return side * spacing; }
   double h() const { return 0.5 * support * spacing; }
-  double step() const { return 0.2 * h() / sound; }
+  double step() const { return 0.18 * h() / sound; }
   silt::Liquid liquid() const { return {.density = density, .sound_speed = sound}; }
   silt::SphSetup setup() const {
     const double L = length(), b = 20 * spacing;
