@@ -155,6 +155,7 @@ TEST_CASE("particle_file: a bad header is refused with line and column") {
   check_refused("# beads\n\nx y z size\n0 0 0 1\n", "line 3: 'size' is not a column name");
   check_refused("0 0 0 1\n",
                 "line 1: '0' is not a column name; the first line that is not a comment");
+  check_refused("# x y z radius\n0 0 0 1\n", "; a header that begins with '#' is a comment");
   check_refused("x,y,z,,radius\n", "line 1: '' is not a column name");
   check_refused("x y radius\n0 0 1\n", "line 1: the column 'z' is missing");
   check_refused("x y z\n0 0 0\n", "line 1: the column 'radius' or 'diameter' is missing");

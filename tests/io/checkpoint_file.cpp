@@ -369,6 +369,9 @@ TEST_CASE("checkpoint: a writer killed at 20 random moments always leaves a comp
     writer.commit(path);
   };
   write_state(0);
+  const auto states_written = [&] {
+    return silt::CheckpointReader(path).get<std::uint64_t>("first", 100'000)[0];
+  };
   std::mt19937 random(7);
   std::uint64_t last = 0;
   for (int kill = 0; kill < 20; ++kill) {
@@ -376,6 +379,9 @@ TEST_CASE("checkpoint: a writer killed at 20 random moments always leaves a comp
     if (child == 0)
       for (std::uint64_t state = last + 1;; ++state) write_state(state);
     std::this_thread::sleep_for(std::chrono::microseconds(random() % 40'000));
+    // On a busy machine the first child may need longer to write anything.
+    for (int wait = 0; kill == 0 && wait < 10'000 && states_written() == 0; ++wait)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
     ::kill(child, SIGKILL);
     ::waitpid(child, nullptr, 0);
     const silt::CheckpointReader reader(path);

@@ -94,6 +94,7 @@ class ParticleReader {
       line = rest_.substr(0, end);
       rest_.remove_prefix(std::min(end + 1, rest_.size()));
       ++line_number_;
+      comments_ = comments_ || line.find('#') != line.npos;
       line = trimmed(line.substr(0, std::min(line.find('#'), line.size())));
       if (!line.empty()) return true;
     }
@@ -131,7 +132,8 @@ class ParticleReader {
       const auto known = std::find(column_names.begin(), column_names.end(), name);
       if (known == column_names.end())
         fail(in_quotes(name),
-             " is not a column name; the first line that is not a comment must be one ", expected);
+             " is not a column name; the first line that is not a comment must be one ", expected,
+             comments_ ? "; a header that begins with '#' is a comment" : "");
       const auto column = static_cast<Column>(known - column_names.begin());
       if (has_[column]) fail("column '", name, "' is named twice");
       has_[column] = true;
@@ -208,6 +210,7 @@ class ParticleReader {
   const std::string& path_;
   std::string_view rest_;
   std::size_t line_number_ = 0;
+  bool comments_ = false;     // there was one
   char separator_ = 0;        // 0: white space
   DynArray<Column> columns_;  // in the order of the file
   std::array<bool, column_count> has_{};

@@ -23,11 +23,13 @@ namespace silt::inline SILT_TARGET::detail {
 /// density drifts, and the pressure of gaps at walls (dry_gaps.hpp) was taken from it: a block
 /// twice as heavy as water rose from the floor. In a floor it sinks until it leaves the region.
 ///
-/// A particle deeper than half a spacing is moved half a spacing in front of the surface, with its
-/// velocity and without pressure. Out of bodies: along the axes, and for spheres along the radius,
-/// to the nearest free place; if there is none, it is removed, and counted as displaced. Out of
-/// walls: along the normal, without the part of its velocity that goes in; if a body is there,
-/// to the nearest free place beside it.
+/// A particle deeper than half a spacing in a body is moved to the nearest free place, half a
+/// spacing in front of the surface, with its velocity and without pressure: along the axes, and for
+/// spheres along the radius. If there is none, it is removed, and counted as displaced.
+///
+/// One that is a tenth of a spacing or more behind a wall gets at least the velocity with which it
+/// would be out after 50 h/c: the continuity equation sees this, and volume is kept. Beyond 0.75
+/// spacings it would soon leave the region, and is moved as out of bodies.
 ///
 /// Source: silt's own.
 /// Tests:  tests/sph/trapped.cpp.
@@ -65,7 +67,7 @@ class SphTrapped {
              if (!core_.lists.walls(pack).empty()) find_in_walls(pack, out);
          });
     for (const auto& part : found_)
-      for (const std::size_t k : part) out_of_wall(k);
+      for (const std::size_t k : part) turn_back(k);
   }
 
  private:
@@ -97,7 +99,7 @@ class SphTrapped {
     }
     for (std::size_t l = 0; l < W; ++l)
       if (const std::size_t k = pack * W + l; of.is_liquid(k) && least[l] < 0.81 * s_ * s_)
-        if (core_.solids.walls.distance(of.rows[k].position()) < -deep_) out.push_back(k);
+        if (core_.solids.walls.distance(of.rows[k].position()) < -shallow_) out.push_back(k);
   }
   /// Body that contains a point and its neighbours at this distance [m] along the axes.
   std::size_t body_around(const Vec3d& x, double distance) const {
@@ -125,23 +127,29 @@ class SphTrapped {
     return body_around(x, 0) == none && !sph_is_out(core_, x) &&
            (walls.walls() == 0 || walls.distance(x) > 0.4 * s_);
   }
-  void out_of_wall(std::size_t k) {
+  void turn_back(std::size_t k) {
     const Vec3d x = core_.columns.rows[k].position();
     const auto wall = core_.solids.walls.nearest(x);
-    Vec3d way = (deep_ - wall.distance) * wall.normal;
+    if (wall.distance < -lost_) return out_of_wall(k, wall.distance, wall.normal);
+    const Vec3d u = core_.solids.walls.velocity_at(wall.wall, x);
+    const double out = -wall.distance * core_.liquid.sound_speed / (slow_ * core_.setup.h());
+    sph_goes(core_, k, true);
+    for (SphRow* r : {&core_.columns.rows[k], &core_.columns.start[k]}) {
+      const double lacks = out - dot(r->velocity() - u, wall.normal);
+      if (lacks > 0) r->move(r->velocity() + lacks * wall.normal);
+    }
+    sph_returns(core_, k);
+  }
+  void out_of_wall(std::size_t k, double distance, const Vec3d& normal) {
+    const Vec3d x = core_.columns.rows[k].position();
+    Vec3d way = (deep_ - distance) * normal;
     if (const std::size_t b = body_around(x + way, 0); b != none) {
       const auto beside = way_out(b, x + way, 0);
       if (!beside) return;
       way += *beside;
     }
     if (sph_is_out(core_, x + way)) return;
-    sph_goes(core_, k, true);
-    const Vec3d u = core_.solids.walls.velocity_at(wall.wall, x);
-    for (SphRow* r : {&core_.columns.rows[k], &core_.columns.start[k]}) {
-      const double in = std::min(0.0, dot(r->velocity() - u, wall.normal));
-      r->move(r->velocity() - in * wall.normal);
-    }
-    put(k, way);
+    sph_goes(core_, k, true), put(k, way);
   }
   void out_of_body(std::size_t k) {
     const Vec3d x = core_.columns.rows[k].position();
@@ -184,7 +192,9 @@ class SphTrapped {
   }
 
   Core& core_;
-  double s_, deep_ = 0.5 * s_, most_ = 0;               // [m] spacing, depth, largest reach
+  static constexpr double slow_ = 50;  // [-] h/c in which a particle would leave a wall
+  double s_, deep_ = 0.5 * s_, shallow_ = 0.1 * s_, lost_ = 0.75 * s_,
+             most_ = 0;                                 // [m] spacing, depths, reach
   DynArray<std::pair<double, std::uint32_t>> along_x_;  // x [m] of each body, and of its images
   std::array<Found, Team::most_ranges> found_{};
 };

@@ -32,12 +32,13 @@ namespace silt::inline SILT_TARGET::detail {
 template <class Core>
 constexpr bool sph_chooses_solids = Core::Walls::mirrored && !Core::Grains::averaged;
 
-/// Slack [m] of a particle with this `speed` [m/s]: what it goes in some steps. Few are fast.
+/// Slack [m] of a particle with this `speed` [m/s]: what it goes in some steps. Few are fast. With
+/// at most h an image that is not in the lists, at 4 h or more, stays outside the support.
 template <class Core>
 double sph_slack(const Core& core, double speed) {
   constexpr double steps = 5, most = 1.5;  // [-]
-  const double step = core.setup.courant * core.setup.h() / core.liquid.sound_speed;
-  return std::min(0.04 * core.setup.spacing + steps * step * speed, most * core.setup.spacing);
+  const double h = core.setup.h(), step = core.setup.courant * h / core.liquid.sound_speed;
+  return std::min({0.04 * core.setup.spacing + steps * step * speed, most * core.setup.spacing, h});
 }
 /// [m/s] Largest speed of the liquid.
 template <class Core>
