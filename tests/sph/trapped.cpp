@@ -109,7 +109,7 @@ auto sinking_block(double s) {
 
 // It presses what is below it into the floor. Left there it sank through the floor, and two to four
 // particles of 224 were lost.
-TEST_CASE("SPH: liquid that a block presses into the floor comes out beside it") {
+TEST_CASE("SPH: liquid that a block presses into the floor is turned back") {
   constexpr double s = 0.02;
   auto sim = sinking_block(s);
   const std::size_t liquid = sim.fluid().size();
@@ -122,7 +122,7 @@ TEST_CASE("SPH: liquid that a block presses into the floor comes out beside it")
   }
   CHECK(sim.fluid().size() == liquid);
   CHECK(deepest > 0.3);   // else this tests nothing
-  CHECK(deepest < 0.75);  // half, and what is not noticed before the next lists
+  CHECK(deepest < 0.75);  // from there on it is moved out
 }
 
 #ifdef SILT_LONG_TESTS

@@ -105,9 +105,8 @@ class ClusterLists {
   std::size_t packs() const { return order_.size() / width; }
 
   /// Finds all particles within `reach` [m] of each pack, and some that are beyond by up to 1e-6 of
-  /// the space's extent; `rows` are in the order of sort(). With
-  /// `slack` [m] of each row: all that can come within reach before one of them has moved by more
-  /// than its slack.
+  /// the space's extent; `rows` are in the order of sort(). With `slack` [m] of each row: all that
+  /// can come within reach before one of them has moved by more than its slack.
   void find(std::span<const SphRow> rows, double reach, const Team& team,
             std::span<const double> slack = {}) {
     ++version_;
