@@ -78,8 +78,8 @@ def main():
     p.add_argument("--silt", required=True, help="silt's bench_sph")
     p.add_argument("--native", default=codes.NATIVE, help="folder of native.sh's LAMMPS")
     p.add_argument("--repeat", type=in_range(int, 1, 99), default=5, help="runs of each, in turn (5)")
-    p.add_argument("--supports", type=in_range(float, 2.43, 6.9), nargs="+", default=[2.6, 4.157],
-                   help="of the kernel, in spacings (2.6 4.157; the latter is silt's default)")
+    p.add_argument("--supports", type=in_range(float, 2.43, 6.9), nargs="+", default=[2.6, 3.118, 4.157],
+                   help="of the kernel, in spacings (2.6 3.118 4.157; the second is silt's default)")
     p.add_argument("--sides", type=in_range(int, 10, 200), nargs="+", help="particles along the cube (30 60)")
     a = p.parse_args()
     sides, repeat = (a.sides or [12], 2) if a.quick else (a.sides or [30, 60], a.repeat)

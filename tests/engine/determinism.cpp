@@ -121,7 +121,8 @@ TEST_CASE("periodic_box: a sphere of more than a third of its length is refused"
   p.add({.position = {8e-3, 0, 0}, .radius = 3e-3, .density = 2500});
   CHECK(has_words(
       refusal<silt::InputError>([&] { sim.add(p); }),
-      {"its length 0.016 [m] must be at least 3 diameters of particle 0 of radius 0.003 m"}));
+      {"its length 0.016 [m] must be at least 3 diameters of particle 0 of radius 0.003 m: "
+       "0.018 m"}));
 }
 
 TEST_CASE("determinism: enough spheres for several shares, sorted or not, give the same bits") {

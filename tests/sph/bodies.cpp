@@ -121,6 +121,22 @@ TEST_CASE("SPH: what is read between steps changes no bit") {
   CHECK(state_of(read) == state_of(quiet));
 }
 
+TEST_CASE("SPH: vtk_series of a Simulation writes the liquid, also after a restart") {
+  const std::string folder = std::filesystem::temp_directory_path() / "silt_sph_series";
+  const auto frames = [&](const std::string& to, const std::string& from) {
+    auto sim = two_balls(from);
+    sim.run(2e-3, vtk_series(to, every(1e-3)));
+    save_checkpoint(sim, folder + "/balls.silt");
+    const auto series = VtkSeries::resume(to, "liquid", 1);
+    sim.fluid().write(to + "/last.vtp");
+    CHECK(detail::read_file(to + '/' + series.last_file()) == detail::read_file(to + "/last.vtp"));
+    return series.frames();
+  };
+  CHECK(frames(folder, {}) == 3);
+  CHECK(frames(folder, folder + "/balls.silt") == 5);
+  std::filesystem::remove_all(folder);
+}
+
 TEST_CASE("SPH: loads on walls after a checkpoint was loaded are those before") {
   // They were those of bodies at the origin and at rest.
   const std::string path =

@@ -161,6 +161,7 @@ concept ActiveFluid =
 ///   load_on_driven(w)                 its load on the driven wall w of the scene, and its
 ///                                     stiffness for a servo: LiquidOnWall, sph/driven_walls.hpp
 ///   void write(path), file_kind       writes the fluid for ParaView (vtk_series); its ending
+///   static constexpr const char* series_name   and the name of the series, if not "flow"
 ///   void describe(is)                 is(name, value): items that the scene of a checkpoint must
 ///                                     match
 ///
@@ -229,6 +230,12 @@ struct FluidTraits {
     f.write(std::string{});
     std::string(F::file_kind);
   };
+  static constexpr const char* series_name() {
+    if constexpr (requires { std::string(F::series_name); })
+      return F::series_name;
+    else
+      return "flow";
+  }
   static void tell_gravity(F& fluid, const Vec3d& gravity) {
     if constexpr (requires { fluid.gravity = gravity; }) fluid.gravity = gravity;
   }

@@ -72,11 +72,12 @@ auto table(const std::string& path, const DynArray<std::string>& columns, Schedu
 }
 
 /// Writes the time series `folder/particles.pvd` and `folder/walls.pvd` for ParaView. For bodies
-/// also `folder/parts.pvd`, the spheres of multi-spheres, or `folder/surfaces.pvd`; with a fluid
-/// `folder/flow.pvd`. Walls that did not change since the previous frame are not written again;
-/// both frames refer to one file. On several ranks a frame of particles is one file per rank and an
-/// index, as in write_particles(); the series lists the indices, and ParaView opens the same
-/// `.pvd`. Rank 0 writes the rest. `more` adds fields as in write_particles.
+/// also `folder/parts.pvd`, the spheres of multi-spheres, or `folder/surfaces.pvd`; with a
+/// CoupledFlow `folder/flow.pvd`, with an Sph `folder/liquid.pvd`. Walls that did not change since
+/// the previous frame are not written again; both frames refer to one file. On several ranks a
+/// frame of particles is one file per rank and an index, as in write_particles(); the series lists
+/// the indices, and ParaView opens the same `.pvd`. Rank 0 writes the rest. `more` adds fields as
+/// in write_particles.
 template <class More>
 class VtkSeriesObserver {
  public:
@@ -122,7 +123,8 @@ void VtkSeriesObserver<More>::begin(const Sim& sim, double) {
     parts_ = open("surfaces");
   else if constexpr (Sim::of_bodies)
     parts_ = open("parts");
-  if constexpr (detail::FluidTraits<typename Sim::Fluid>::is_written) flow_ = open("flow");
+  if constexpr (detail::FluidTraits<typename Sim::Fluid>::is_written)
+    flow_ = open(detail::FluidTraits<typename Sim::Fluid>::series_name());
 }
 
 template <class More>
@@ -145,8 +147,9 @@ void VtkSeriesObserver<More>::operator()(const Sim& sim) {
     write_parts(text(folder_, '/', file("parts")), sim);
     list(parts_, file("parts"));
   }
-  if constexpr (detail::FluidTraits<typename Sim::Fluid>::is_written) {
-    const auto name = file("flow", Sim::Fluid::file_kind);
+  using Fluid = detail::FluidTraits<typename Sim::Fluid>;
+  if constexpr (Fluid::is_written) {
+    const auto name = file(Fluid::series_name(), Sim::Fluid::file_kind);
     sim.fluid().write(text(folder_, '/', name));
     flow_->add(sim.time(), name);
   }

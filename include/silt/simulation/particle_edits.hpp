@@ -88,10 +88,10 @@ class ParticleEdits {
             " [m] must be finite and greater than 0");
     if constexpr (Sim::Domain::periodic)
       for (int d = 0; d < 3; ++d)
-        require(!sim().domain_.repeats(d) || sim().domain_.length(d) >= 6 * radius,
-                "Simulation::set_radius: the length ", sim().domain_.length(d),
-                " [m] of PeriodicBox must be at least 3 diameters of particle ", id, " of radius ",
-                radius, " m");
+        if (sim().domain_.repeats(d) && sim().domain_.length(d) < 6 * radius)
+          throw InputError(text("Simulation::set_radius: the length ", sim().domain_.length(d),
+                                " [m] of PeriodicBox must be at least 3 diameters of particle ", id,
+                                " of radius ", radius, " m: ", detail::sentence(6 * radius), " m"));
     const std::size_t k = place_of(id, "set_radius");
     if (is_elsewhere(k)) return;
     const double before = energy_of(k), smallest = sim().engine_.particles.smallest_radius;

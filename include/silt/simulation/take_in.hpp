@@ -104,9 +104,10 @@ void Simulation<Policies...>::check_new(std::span<const Particle> more, const Ch
               " m");
     if constexpr (Domain::periodic)
       for (int d = 0; d < 3; ++d)
-        require(!domain_.repeats(d) || domain_.length(d) >= 6 * p.radius, Domain::policy_name,
-                ": its length ", domain_.length(d),
-                " [m] must be at least 3 diameters of particle ", k, " of radius ", p.radius, " m");
+        if (domain_.repeats(d) && domain_.length(d) < 6 * p.radius)
+          throw InputError(text(Domain::policy_name, ": its length ", domain_.length(d),
+                                " [m] must be at least 3 diameters of particle ", k, " of radius ",
+                                p.radius, " m: ", detail::sentence(6 * p.radius), " m"));
     require(p.material < contacts_.materials() || !ContactsType::several_materials, "particle ", k,
             ": material ", p.material, " is not in the table of ", contacts_.materials(),
             " materials; add it to the contacts first");

@@ -71,6 +71,7 @@ struct SphBook {
     Vec3d gravity{0, 0, 0};  // [m/s2] used by the ledger
   } now;
   DynArray<double> unheld;  // [kg/m3] densities of rows before removal of tension
+  DynArray<double> worked;  // [J/kg] elastic energy of rows at the start, and the work of pressures
   DynArray<double> parted;  // [-] share of SphGrowth::parting that acted on a row
   // [m/s] LeapfrogTime: `sticking` of SphColumns with the velocities at the start of the step.
   AlignedVector<Vec3d> stuck;
@@ -270,6 +271,7 @@ SphPowers sph_powers(Core& core, const Team& team) {
 template <class Core>
 void sph_size_book(Core& core) {
   core.book.unheld.assign(core.columns.size(), core.liquid.density);
+  core.book.worked.assign(core.columns.size(), 0);
   core.book.parted.assign(core.columns.size(), 1);
 }
 /// Before a step; the first one starts the ledger.
@@ -324,18 +326,19 @@ void sph_book_grains(Core& core, double dt) {
     }
   }
 }
-/// After a step: energy lost by removal of tension and by the pressure that spray gives up. `share`
-/// [-] of the time over which a density was integrated that belongs to this step: a leap of
-/// VerletTime takes two steps, and every second step is on the other of two chains.
+/// After a step: energy lost by removal of tension and by the pressure that spray gives up, which
+/// is what a particle held and what pressure did on it, less what it holds. `share` [-] of the time
+/// over which a density was integrated that belongs to this step: a leap of VerletTime takes two
+/// steps, and every second step is on the other of two chains.
 template <class Core>
 void sph_book_tension(Core& core, double share = 1) {
   if constexpr (Core::Book::kept) {
     auto& of = core.columns;
     for (std::size_t k = 0; k < of.size(); ++k)
       if (of.is_liquid(k) && core.book.unheld[k] != of.rows[k].density)
-        core.book.now.tension += share * core.mass_of(k) *
-                                 (core.liquid.elastic_energy(core.book.unheld[k]) -
-                                  core.liquid.elastic_energy(of.rows[k].density));
+        core.book.now.tension +=
+            share * core.mass_of(k) *
+            (core.book.worked[k] - core.liquid.elastic_energy(of.rows[k].density));
   }
 }
 /// shift_of(k) [m]: displacement of a particle by shifting.

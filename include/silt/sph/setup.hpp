@@ -52,10 +52,11 @@ enum class Slip { None, Free };
 struct SphSetup {
   /// [-] Courant numbers of LeapfrogTime: the default, and the largest (docs/sph_method.md).
   static constexpr double usual_courant = 0.6, most_courant = 1;
-  double spacing = 0;      // [m] initial distance of particles
-  Box region;              // [m] what leaves it is removed and counted; in 2D min.y = max.y
-  double smoothing = 1.2;  // [-] h = smoothing sqrt(D) spacing; in 2D avoid 0.9 to 1 (docs/sph.md)
-  int dimensions = 3;      // 2: in x and z; a slice one spacing thick
+  double spacing = 0;  // [m] initial distance of particles
+  Box region;          // [m] what leaves it is removed and counted; in 2D min.y = max.y
+  double smoothing =
+      0;               // [-] h = smoothing sqrt(D) spacing; 0: 0.9, in 2D 1.2 (docs/sph_method.md)
+  int dimensions = 3;  // 2: in x and z; a slice one spacing thick
   std::array<bool, 3> periodic{};  // the region repeats
   Vec3d gravity{0, 0, 0};          // [m/s2]
   double courant = 0;              // [-] of the time step; 0: 0.6; with SymplecticTime 0.3, or
@@ -64,7 +65,11 @@ struct SphSetup {
   double scatter =
       0;  // [-] of the spacing: largest random displacement of new particles from the lattice
 
-  double h() const { return smoothing * std::sqrt(static_cast<double>(dimensions)) * spacing; }
+  /// `smoothing`, or its default, at which a lattice of particles has no stiffness.
+  double smoothing_used() const { return smoothing > 0 ? smoothing : dimensions == 2 ? 1.2 : 0.9; }
+  double h() const {
+    return smoothing_used() * std::sqrt(static_cast<double>(dimensions)) * spacing;
+  }
   double volume() const {
     return dimensions == 2 ? spacing * spacing : spacing * spacing * spacing;
   }  // [m3], or [m2] in 2D
@@ -89,8 +94,8 @@ struct SphSetup {
     require(dimensions == 3 || e.y == 0, "SphSetup.region from ", region.min, " to ", region.max,
             " m: in 2D the liquid lies in a plane; give both corners the y of that plane, on which "
             "bodies must lie too");
-    require(smoothing >= 0.7 && smoothing <= 2, "SphSetup.smoothing = ", smoothing,
-            " must be in [0.7, 2]; 0.8 to 1.2 are usual");
+    require(smoothing == 0 || (smoothing >= 0.7 && smoothing <= 2),
+            "SphSetup.smoothing = ", smoothing, " must be in [0.7, 2]; 0.9 is usual, in 2D 1.2");
     require(courant >= 0 && courant <= most_courant, "SphSetup.courant = ", courant,
             " must be in (0, ", most_courant, "]; 0.6 is usual");
     require(scatter >= 0 && scatter <= 0.3, "SphSetup.scatter = ", scatter,

@@ -148,7 +148,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   template <class Describer>
   void describe(const Describer& is) const {
     is("density [kg/m3]", liquid().density), is("sound speed [m/s]", liquid().sound_speed);
-    is("spacing [m]", setup().spacing), is("smoothing [-]", setup().smoothing);
+    is("spacing [m]", setup().spacing), is("smoothing [-]", setup().smoothing_used());
     is("dimensions", static_cast<double>(setup().dimensions));
     is("walls", static_cast<double>(core().solids.walls.own_walls()));
     if (openings() > 0) is("openings", static_cast<double>(openings()));
@@ -210,10 +210,10 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     if (!core().solids.bodies.empty()) core().make_room_for_bodies();
     return core().next_number - before;
   }
-  /// The same at rest, with hydrostatic pressure (without gravity along periodic directions) below
-  /// the highest point of inside(x).
-  template <class Inside>
-  std::size_t fill(const Inside& inside) {
+  /// The same with hydrostatic pressure (without gravity along periodic directions) below the
+  /// highest point of inside(x).
+  template <class Inside, class Start>
+  std::size_t fill(const Inside& inside, const Start& start) {
     setup().check_gravity(core().gravity);
     double top = -INFINITY;  // [m2/s2] largest of -g.x
     const Vec3d g = core().weight();
@@ -221,12 +221,13 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     detail::for_each_site(setup(), 0, [&](const Vec3d& x) {
       if (inside(x)) top = std::max(top, -dot(g, x) + edge);
     });
-    return fill(
-        inside,
-        [](const Vec3d&) {
-          return Vec3d{0, 0, 0};
-        },
-        [&](const Vec3d& x) { return liquid().density * (top + dot(g, x)); });
+    return fill(inside, start,
+                [&](const Vec3d& x) { return liquid().density * (top + dot(g, x)); });
+  }
+  /// The same at rest.
+  template <class Inside>
+  std::size_t fill(const Inside& inside) {
+    return fill(inside, [](const Vec3d&) { return Vec3d{0, 0, 0}; });
   }
 
   /// Runs for `duration` [s], exactly.
@@ -352,6 +353,8 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     }
     return reading_.load(wall, about);
   }
+  /// Ending and name of the liquid's files in vtk_series.
+  static constexpr const char *file_kind = ".vtp", *series_name = "liquid";
   /// Writes the liquid as points for ParaView (.vtp).
   void write(const std::string& path) const {
     DynArray<Vec3d> position, velocity;

@@ -33,7 +33,7 @@ class SphStep {
       r.move(r.velocity() + 0.5 * dt_ * rate.acceleration);
       const double parting =
           parted(r.density, rate.density, core_.columns.growth[k].parting, 0.5 * dt_);
-      r.density = held(r.density + 0.5 * dt_ * (rate.density + parting), rate, k, 0);
+      r.density = held(r.density + 0.5 * dt_ * (rate.density + parting), rate, 0);
     });
     for_walls([this](std::size_t k, Row& r, Row& start, double rate) {
       start.density = r.density;
@@ -45,7 +45,7 @@ class SphStep {
     for_liquid([this](std::size_t k, Row& r, const Row& start, const SphRates& rate) {
       const Vec3d v = pushed(k, start.velocity() + dt_ * rate.acceleration);
       r.place(start.position() + 0.5 * dt_ * (start.velocity() + v) + shift_of(rate, norm(v)));
-      r.move(v), r.density = held(grown(start.density, rate.density, r.density), rate, k, dt_);
+      r.move(v), finish(k, r, start.density, grown(start.density, rate.density, r.density), dt_);
     });
     for_walls([this](std::size_t, Row& r, const Row& start, double rate) {
       r.density = grown(start.density, rate, r.density);
@@ -73,7 +73,7 @@ class SphStep {
     sph_book_middle(core_, dt_, team_);
     for_liquid([&](std::size_t k, Row& r, const Row& start, const SphRates& rate) {
       r.place(r.position() + 0.5 * dt_ * r.velocity() + shift_of(rate, norm(r.velocity())));
-      r.density = held(grown(start.density, rate.density, r.density), rate, k, dt_);
+      finish(k, r, start.density, grown(start.density, rate.density, r.density), dt_);
       core_.keep_growth(k);
     });
     for_walls([&](std::size_t, Row& r, const Row& start, double rate) {
@@ -94,7 +94,7 @@ class SphStep {
       const Vec3d v = r.velocity(), &a = rate.acceleration;
       r.place(r.position() + dt_ * v + 0.5 * dt_ * dt_ * a + shift_of(rate, norm(v)));
       r.move(from.velocity() + span * a);
-      r.density = held(from.density + span * rate.density, rate, k, span);
+      finish(k, r, from.density, from.density + span * rate.density, span);
     });
     for_walls([&](std::size_t, Row& r, Row& start, double rate) {
       const double from = restart ? r.density : start.density;
@@ -167,9 +167,8 @@ class SphStep {
   ///
   /// Both need the fullness of the kernel, which is known with shifting, UnresolvedGrains or
   /// RestoredVolume.
-  double held(double density, [[maybe_unused]] const SphRates& rate, [[maybe_unused]] std::size_t k,
+  double held(double density, [[maybe_unused]] const SphRates& rate,
               [[maybe_unused]] double span) const {
-    if constexpr (Core::Book::kept) core_.book.unheld[k] = density;
     if constexpr (Core::Shift::shifts || Core::asks_fullness) {
       const double rest = core_.liquid.density;
       if (core_.is_loose(rate)) density = std::max(density, rest);
@@ -180,6 +179,16 @@ class SphStep {
             rest);
     }
     return density;
+  }
+  /// Gives the particle of row k, with the state that the forces had, its density after `span` [s].
+  void finish(std::size_t k, Row& r, [[maybe_unused]] double start, double density, double span) {
+    const SphRates& rate = core_.columns.rates[k];
+    if constexpr (Core::Book::kept) {
+      core_.book.unheld[k] = density;
+      core_.book.worked[k] = core_.liquid.elastic_energy(start) +
+                             r.pressure / (r.density * r.density) * span * rate.density;
+    }
+    r.density = held(density, rate, span);
   }
   /// update(row, its particle, its state at the start, rates) for each liquid particle.
   template <class Update>
