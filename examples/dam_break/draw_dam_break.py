@@ -46,7 +46,7 @@ def snapshots(folder, width, spacing, unit):
     chosen = [min(series, key=lambda f: abs(f[0] - T)) for T in TIMES]
     states = [(T, *liquid(path, spacing)) for T, path in chosen]
     # Colours to what most of the liquid has.
-    kinds = [("pressure over that of 2 a of water", 3, 2 * DENSITY * GRAVITY * width, 0.8),
+    kinds = [("pressure over that of 2 a of water", 3, 2 * DENSITY * GRAVITY * width, 1.0),
              ("speed over that of a fall from 2 a", 2, (4 * GRAVITY * width) ** 0.5, None)]
     length = max(s[1][:, 0].max() for s in states) / width + 0.1
     high = 2.1

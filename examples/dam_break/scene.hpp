@@ -9,6 +9,7 @@
 //   water.write("water.vtp");
 
 #include <cmath>
+#include <numbers>
 
 #include <silt/sph.hpp>
 
@@ -35,6 +36,21 @@ struct Scene {
   double breadth() const { return three_dimensional ? std::round(a / across()) * across() : 0; }
 };
 
+/// [Pa] in the column just after its gate has gone: the solution of Laplace's equation with 0 at
+/// the top and at the free side, d p/dz = -rho g at the floor and d p/dx = 0 at the wall. With the
+/// pressure of the column at rest instead, sound as strong as that pressure goes through the
+/// liquid.
+inline double start_pressure(const Vec3d& x, double density) {
+  constexpr double a = Scene::a, H = 2 * a;
+  double sum = H - x.z;
+  for (int n = 0; n < 200; ++n) {
+    const double k = (n + 0.5) * std::numbers::pi / H;
+    sum -= 2 / (H * k * k) * std::cos(k * x.z) * std::exp(k * (x.x - a)) *
+           (1 + std::exp(-2 * k * x.x)) / (1 + std::exp(-2 * k * a));  // cosh(k x)/cosh(k a)
+  }
+  return density * Scene::g * sum;
+}
+
 inline auto make_water(const Scene& s) {
   const double a = Scene::a, length = Scene::length * a, breadth = s.breadth();
   // The region ends behind the walls: a particle may penetrate them by a fraction of its spacing.
@@ -50,7 +66,11 @@ inline auto make_water(const Scene& s) {
   water.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, {.name = "floor"});
   water.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, {.name = "wall"});
   water.add_wall(silt::Plane{{length, 0, 0}, {-1, 0, 0}}, {.name = "far wall"});
-  water.fill([](const Vec3d& x) { return x.x < Scene::a && x.z < 2 * Scene::a; });
+  water.fill([](const Vec3d& x) { return x.x < Scene::a && x.z < 2 * Scene::a; },
+             [](const Vec3d&) {
+               return Vec3d{0, 0, 0};
+             },
+             [&](const Vec3d& x) { return start_pressure(x, water.liquid().density); });
   return water;
 }
 
