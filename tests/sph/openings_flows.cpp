@@ -87,10 +87,10 @@ TEST_CASE("SPH openings: flow between plates with a parabolic inlet and a pressu
   const double slope = (sxp - sx * sp / n) / (sxx - sx * sx / n);
   MESSAGE("plates: rms ", rms / (1.5 * U), ", gradient ", -slope / G, ", mean p off ",
           (sp / n - 0.4 - G * (L - sx / n)) / (G * L));
-  // Seen: 1.5 % and 1.07; without openings walls have 1.07 as well. An inlet with one velocity for
-  // all would be off by 30 %.
-  CHECK(rms < 0.02 * 1.5 * U);
-  CHECK(-slope == near(G).epsilon(0.10));
+  // Seen: 0.6 % and 1.015. An inlet with one velocity for all would be off by 30 %; walls of first
+  // order (images with the velocity of the liquid around them) had 1.5 % and 1.07.
+  CHECK(rms < 0.01 * 1.5 * U);
+  CHECK(-slope == near(G).epsilon(0.03));
   CHECK(oil.flow_rate(0) == near(1000 * U * H).epsilon(0.01));
   CHECK(oil.flow_rate(1) == near(-1000 * U * H).epsilon(0.03));
   books_close(oil, start);
