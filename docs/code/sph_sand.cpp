@@ -12,7 +12,7 @@
 int main() {
   const double side = 0.12, depth = 0.06, spacing = 0.006, g = 9.81;  // [m], [m/s2]
   silt::Sph water{silt::Liquid{.density = 1000, .sound_speed = 15},
-                  {.spacing = spacing, .region = {{0, 0, 0}, {side, side, 0.12}}, .smoothing = 0.9},
+                  {.spacing = spacing, .region = {{0, 0, 0}, {side, side, 0.12}}},
                   silt::ArtificialViscosity{.alpha = 0.1},
                   silt::UnresolvedGrains{silt::DiFelice{}, {.viscosity = 1e-3}}};
   water.gravity = {0, 0, -g};
@@ -39,7 +39,10 @@ int main() {
                        std::move(water)};
   sim.gravity = {0, 0, -g};
   sim.add_wall(silt::box({0, 0, 0}, {side, side, 0.12}), quartz, {.name = "tank"});
-  sim.run(0.2);
+  sim.run(0.2,
+          silt::liquid_probes("sph_sand/probes.csv", {{"floor", {0.02, 0.02, 0}}},
+                              silt::every(0.01)),
+          silt::liquid_levels("sph_sand/levels.csv", {{"corner", {0, 0, 0}}}, silt::every(0.01)));
 
   const silt::FluidClosure& books = sim.fluid().closure();
   const auto [force, torque] = sim.fluid().wall_load(0);

@@ -16,7 +16,6 @@ int main() {
   silt::Sph water{silt::Liquid{.density = 1000, .sound_speed = 20 * std::sqrt(g * R)},
                   {.spacing = spacing,
                    .region = {{-R, 0, -R}, {R, width, R}},
-                   .smoothing = 1.0,
                    .periodic = {false, true, false},
                    .gravity = {0, 0, -g}},
                   silt::LaminarViscosity{.kinematic = 1e-6, .alpha = 0.05}};

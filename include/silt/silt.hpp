@@ -57,6 +57,7 @@
 #include <silt/io/contact_observers.hpp>
 #include <silt/io/contact_series.hpp>
 #include <silt/io/failure.hpp>
+#include <silt/io/liquid_observers.hpp>
 #include <silt/io/observers.hpp>
 #include <silt/io/particle_csv.hpp>
 #include <silt/io/passing_series.hpp>

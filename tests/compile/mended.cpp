@@ -195,6 +195,9 @@ namespace fluid_without_advance {
 namespace taps_without_flow {
 #include "refused/taps_without_flow.cpp"
 }
+namespace levels_without_liquid {
+#include "refused/levels_without_liquid.cpp"
+}
 namespace const_observer {
 #include "refused/const_observer.cpp"
 }
