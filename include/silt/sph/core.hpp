@@ -118,7 +118,8 @@ struct SphCore {
     choose_courant();
     full = sph_divergence_of_lattice<Kernel>(setup);
     moment = sph_second_moment<Kernel>(setup.dimensions);
-    if constexpr (Shift::shifts) surface_slope = SphSurfaceSlope<Kernel>(setup.dimensions);
+    if constexpr (Shift::shifts || Volume::restores)
+      surface_slope = SphSurfaceSlope<Kernel>(setup.dimensions);
     if constexpr (!Time::two_stages) check_verlet();
     static_assert(Pairs::W <= Lists::most_width);
     lists.width = Pairs::W, lists.spacing = setup.spacing, lists.dimensions = setup.dimensions;
@@ -301,6 +302,13 @@ struct SphCore {
     if constexpr (Book::kept) book.parted[k] = parting < 0 ? taken / parting : 1;
     rate += taken;
   }
+  /// [1/s] RestoredVolume's part of the growth of a density, over it.
+  double restoring(std::size_t k) const requires Volume::restores {
+    const SphRates& of = columns.rates[k];
+    const double filled = of.divergence / full;
+    return keeper.growth(of.slope, filled, surface_slope(filled),
+                         columns.rows[k].density / liquid.density, setup.h(), liquid.sound_speed);
+  }
   /// Whether a particle has so few neighbours that it takes no tension.
   bool is_loose([[maybe_unused]] const SphRates& rate) const {
     if constexpr (Shift::shifts || asks_fullness)
@@ -388,10 +396,7 @@ struct SphCore {
             columns.fullness[k] = columns.rates[k].divergence / setup.dimensions;
           }
           if constexpr (Volume::restores) {
-            SphRates& of = columns.rates[k];
-            const double rho = columns.rows[k].density;
-            of.density += rho * keeper.growth(of.slope, of.divergence / full, rho / liquid.density,
-                                              setup.h(), liquid.sound_speed);
+            columns.rates[k].density += columns.rows[k].density * restoring(k);
           }
           a += gravity;
           m.acceleration = std::max(m.acceleration, norm(a));

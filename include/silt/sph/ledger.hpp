@@ -24,6 +24,7 @@ struct LiquidBalance {
   // Dissipated since the start.
   double artificial, laminar, turbulent;  // by viscosities, including walls and bodies
   double diffusion;                       // diffusion of density: from `elastic`; may be < 0
+  double restored;                        // RestoredVolume: from `elastic`; may be < 0
   double shifting;                        // from `gravity`; may be < 0
   double tension;  // from `elastic`: tension removed at particles with few neighbours, pressure of
                    // spray
@@ -44,7 +45,9 @@ struct LiquidBalance {
   double held() const { return kinetic + gravity + elastic; }
   double mirrored() const { return at_walls + at_bodies; }
   double viscosity() const { return artificial + laminar + turbulent; }
-  double dissipated() const { return viscosity() + diffusion + shifting + tension + displaced; }
+  double dissipated() const {
+    return viscosity() + diffusion + restored + shifting + tension + displaced;
+  }
   double supplied() const {
     return walls + bodies + mirrored() + grains + openings + changed_gravity + going_round;
   }
@@ -119,6 +122,7 @@ LiquidBalance sph_balance(const Core& core) {
   const auto& n = core.book.now;
   e.artificial = -n.worked.artificial, e.laminar = -n.worked.laminar;
   e.turbulent = -n.worked.turbulent, e.diffusion = -n.worked.diffusion;
+  e.restored = -n.worked.restored;
   e.walls = n.worked.walls, e.bodies = n.worked.bodies;
   e.at_walls = n.worked.at_walls, e.at_bodies = n.worked.at_bodies;
   e.grains = n.worked.grains, e.shifting = n.shifting, e.tension = n.tension,
@@ -253,6 +257,12 @@ SphPowers sph_powers(Core& core, const Team& team) {
                           dot(surfaces[row - first].velocity, by[row].acceleration);
       (core.solids.is_wall(k) ? all.walls : all.bodies) += work, all.turbulent -= work;
     }
+  }
+  if constexpr (Core::Volume::restores) {
+    for (std::size_t k = 0; k < first; ++k)
+      if (of.is_liquid(k))
+        all.restored +=
+            core.mass_of(k) * of.rows[k].pressure / of.rows[k].density * core.restoring(k);
   }
   if constexpr (Core::Grains::averaged) {
     // Rest of the power of all pairs: the volume taken by grains.

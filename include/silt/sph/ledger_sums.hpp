@@ -15,19 +15,20 @@ namespace silt::inline SILT_TARGET::detail {
 
 /// [W] Power of the forces on an SPH liquid, kinetic and elastic; of viscosities < 0.
 struct SphPowers {
-  double artificial = 0, laminar = 0, turbulent = 0, diffusion = 0;
+  double artificial = 0, laminar = 0, turbulent = 0, diffusion = 0, restored = 0;
   double walls = 0, bodies = 0, at_walls = 0, at_bodies = 0, grains = 0;
 
   void add(double times, const SphPowers& p) {
     artificial += times * p.artificial, laminar += times * p.laminar;
     turbulent += times * p.turbulent, diffusion += times * p.diffusion;
+    restored += times * p.restored;
     walls += times * p.walls, bodies += times * p.bodies;
     at_walls += times * p.at_walls, at_bodies += times * p.at_bodies;
     grains += times * p.grains;
   }
   double sum() const {
-    return artificial + laminar + turbulent + diffusion + walls + bodies + at_walls + at_bodies +
-           grains;
+    return artificial + laminar + turbulent + diffusion + restored + walls + bodies + at_walls +
+           at_bodies + grains;
   }
 };
 

@@ -84,7 +84,13 @@ struct SphPolicies {
   static auto time(const Ps&... all) { return one_of<SphAxis::Time>(LeapfrogTime{}, all...); }
   static auto walls(const Ps&... all) { return one_of<SphAxis::Walls>(MirroredWalls{}, all...); }
   static auto grains(const Ps&... all) { return one_of<SphAxis::Grains>(ResolvedGrains{}, all...); }
-  static auto volume(const Ps&... all) { return one_of<SphAxis::Volume>(DriftingVolume{}, all...); }
+  /// RestoredVolume by default where shifting computes what it needs.
+  static auto volume(const Ps&... all) {
+    constexpr bool restores =
+        decltype(shifting(all...))::shifts && !decltype(grains(all...))::averaged;
+    return one_of<SphAxis::Volume>(std::conditional_t<restores, RestoredVolume, DriftingVolume>{},
+                                   all...);
+  }
   using Kernel = decltype(kernel(std::declval<const Ps&>()...));
   using Viscosity = decltype(viscosity(std::declval<const Ps&>()...));
   using Diffusion = decltype(diffusion(std::declval<const Ps&>()...));
@@ -98,8 +104,6 @@ struct SphPolicies {
   static_assert(
       !Grains::averaged || !Volume::restores,
       "Sph: UnresolvedGrains conserves volume by the void fraction; leave out RestoredVolume");
-  static_assert(!(ledger && Volume::restores),
-                "Sph: EnergyLedger does not support RestoredVolume; leave out one of them");
   /// float with Mixed.
   using PairScalar = std::conditional_t<(false || ... || std::is_same_v<Ps, Mixed>), float, double>;
 };

@@ -39,9 +39,11 @@ inline double sph_spray_loss(const Vec3d& slope, double full, double h, double s
 /// @{
 
 /// Densities follow only the continuity equation, except in spray and where a particle has few
-/// neighbours (time_step.hpp).
+/// neighbours (time_step.hpp). The default with NoShifting and with UnresolvedGrains.
 /// Source: none: the continuity equation of Sph.
-/// Valid:  liquids that do not break up and merge again.
+/// Valid:  liquids that do not break up and merge again; after a splash they take up to half as
+/// much
+///         space again.
 /// Units:  none.
 /// Errors: none.
 /// Tests:  tests/sph/volume.cpp.
@@ -52,20 +54,27 @@ struct DriftingVolume {
   void check() const {}
 };
 
-/// Densities relax to those of the space of the particles. The continuity equation alone loses this
+/// Densities relax to those of the space of the particles, where they differ from it by more than
+/// `band`. The continuity equation alone loses this
 /// relation where a liquid breaks up and merges again: drops keep their density on impact, and
 /// their particles stay too far apart. A liquid poured into a packed bed then takes a third more
 /// space than its volume.
 ///
-///   d rho_a/dt = ... + rate c/h rho_a (n_a - 1) f,  n_a = -sum V_b r.grad W over that of a lattice
+///   d rho_a/dt = ... + rate c/h rho_a b(n_a - 1) f,  n_a = -sum V_b r.grad W over that of a
+///   lattice b(x) = x - band for x > band, x + band for x < -band, 0 between
+///
+/// The band leaves a liquid alone that keeps its volume: n of particles in no order differs from 1
+/// by up to 0.03. Without it, pressures follow this disorder, and a liquid never comes to rest.
 ///
 /// n is 1 where the volumes V = m/rho of liquid and solids fill space. f is 0 at a free surface,
 /// detected by one-sided neighbours, and in drops:
 ///
 ///   f = (2 - 10 h |sum V_b grad W|) (5 n_a - 2.5) 1000 (rho_a/rho_0 - 1), each from 0 to 1
 ///
-/// The last factor excludes liquid without pressure: liquid that is too dilute is not contracted,
-/// but settles by its weight. With a tension it would form clumps.
+/// For n < 1 also (1 - |sum V grad W| over that below a flat surface with the same n): two or three
+/// rows below a surface n is up to 0.1 below 1 without a void. The third factor excludes liquid
+/// without pressure: liquid that is too dilute is not contracted, but settles by its weight. With a
+/// tension it would form clumps.
 ///
 /// Source: silt's own.
 /// Valid:  with MirroredWalls; DynamicWalls keep the liquid at a distance in any case.
@@ -74,6 +83,7 @@ struct DriftingVolume {
 /// Errors: InputError naming field, value and allowed range.
 struct RestoredVolume {
   double rate = 0.02;  // [-]
+  double band = 0.03;  // [-]
 
   static constexpr SphAxis sph_axis = SphAxis::Volume;
   static constexpr bool restores = true;
@@ -81,12 +91,17 @@ struct RestoredVolume {
   void check() const {
     require(std::isfinite(rate) && rate > 0 && rate <= 0.2, "RestoredVolume.rate = ", rate,
             " must be in (0, 0.2]; 0.02 is usual");
+    require(band >= 0 && band <= 0.2, "RestoredVolume.band = ", band,
+            " must be in [0, 0.2]; 0.03 is usual");
   }
-  /// [1/s] growth rate of the density; `rho` is that at rest; `slope` [1/m] = sum V grad W, `full`
-  /// n.
-  double growth(const Vec3d& slope, double full, double rho, double h, double sound) const {
+  /// [1/s] growth rate of the density; `rho` is over that at rest; `slope` [1/m] = sum V grad W,
+  /// `full` n, `flat` [-] h |slope| of a flat surface where the kernel is as full.
+  double growth(const Vec3d& slope, double full, double flat, double rho, double h,
+                double sound) const {
     const double pressed = std::clamp(1000 * (rho - 1), 0.0, 1.0);
-    return rate * sound / h * (full - 1) * detail::sph_is_surrounded(slope, h) *
+    double beyond = full - std::clamp(full, 1 - band, 1 + band);
+    if (beyond < 0) beyond *= std::clamp(1 - h * norm(slope) / flat, 0.0, 1.0);
+    return rate * sound / h * beyond * detail::sph_is_surrounded(slope, h) *
            detail::sph_is_packed(full) * pressed;
   }
 };
