@@ -215,7 +215,7 @@ TEST_CASE("SPH: the pressure that spray gives up is in the books of energy") {
   CHECK(usual < 5e-4);
   CHECK(unexplained("leapfrog, a third of the step", LeapfrogTime{}) < 0.25 * usual);
   CHECK(unexplained("symplectic", SymplecticTime{}) < 5e-4);
-  const RestoredVolume restored{};  // 1.8e-3 and 8e-6
+  const RestoredVolume restored{};  // 1.1e-3 and 1.2e-5
   CHECK(unexplained("restored", LeapfrogTime{}, 0, restored) < 3e-3);
   CHECK(unexplained("restored, a third", LeapfrogTime{}, 0.2, restored) < 1e-4);
   const double coarse = unexplained("Verlet", VerletTime{}),
