@@ -56,6 +56,9 @@ TEST_CASE("liquid_at: a linear velocity and pressure are exact inside, at walls 
     CHECK(liquid_at(water, {0.1, y, 0.1}).filled == near(1).epsilon(0.05));
     CHECK(liquid_at(water, {0.1, y, 0}).filled == near(0.5).epsilon(0.15));
     CHECK(liquid_at(water, {0, y, 0}).filled == near(0.25).epsilon(0.15));
+    const LiquidValues edge = liquid_at(water, {0.1, y, depth + 1.7 * water.setup().h()});
+    CHECK(edge.filled > 0);  // too little for a fit
+    CHECK(norm(edge.velocity) + edge.pressure + edge.density == 0);
     const LiquidValues air = liquid_at(water, {0.1, y, 0.3});
     CHECK(air.filled == 0);
     CHECK(norm(air.velocity) + air.pressure + air.density == 0);
@@ -143,6 +146,11 @@ TEST_CASE("liquid_at and its observers: what is refused") {
         return liquid_levels("a.csv", {{"left", {inf, 0, 0}}}, every(1));
       },
       "the place of 'left', (inf, 0, 0) [m], must be finite");
+  says(
+      [] {
+        return liquid_levels("a.csv", {{"", {0.1, 0, 0}}}, every(1));
+      },
+      "the name of the place (0.1, 0, 0) m is empty");
 }
 
 }  // namespace liquid_at_test

@@ -35,16 +35,18 @@ const auto& liquid_of(const Sim& sim) {
 inline void check_liquid_probes(const char* what, const std::string& path,
                                 const DynArray<LiquidProbe>& probes) {
   require(!probes.empty(), what, " '", path, "': there are no places");
-  for (const auto& p : probes)
+  for (const auto& p : probes) {
+    require(!p.name.empty(), what, " '", path, "': the name of the place ", p.place, " m is empty");
     require(is_finite(p.place), what, " '", path, "': the place of ", in_quotes(p.name), ", ",
             p.place, " [m], must be finite");
+  }
 }
 
 }  // namespace detail
 
 /// Writes velocity [m/s], pressure [Pa] with the weight of the liquid, and how much the place is
-/// filled by liquid [-] at points, one row per time, to the table `path`; all are 0 where no liquid
-/// is within the support of the kernel. For `silt curves`.
+/// filled by liquid [-] at points, one row per time, to the table `path`; velocity and pressure are
+/// 0 where that is below 0.01. For `silt curves`.
 ///
 ///   sim.run(1.0, silt::liquid_probes("probes.csv", {{"wall", {0, 0.1, 0.02}}},
 ///   silt::every(0.01)));

@@ -67,10 +67,9 @@ inline Vec3d solved(const Symmetric3& S, const Vec3d& b) {
 }  // namespace detail
 
 /// The liquid at a point, by a fit that is linear in space to the particles within 2 h: a linear
-/// velocity or pressure is exact, also at walls. Without particles there, all are 0. Each call
-/// goes over all particles.
-/// Errors: InputError if x is not finite.
-/// Tests:  tests/sph/liquid_at.cpp.
+/// velocity or pressure is exact, also at walls. Where `filled` is below 0.01 all others are 0.
+/// Each call goes over all particles. Errors: InputError if x is not finite. Tests:
+/// tests/sph/liquid_at.cpp.
 template <class... Policies>
 LiquidValues liquid_at(const Sph<Policies...>& water, const Vec3d& x) {
   require(is_finite(x), "liquid_at: the point ", x, " [m] must be finite");
@@ -89,7 +88,8 @@ LiquidValues liquid_at(const Sph<Policies...>& water, const Vec3d& x) {
     density_way += w * rho * r, pressure_way += w * p * r;
     v_way[0] += w * u.x * r, v_way[1] += w * u.y * r, v_way[2] += w * u.z * r;
   });
-  if (!(weight > 0)) return {{0, 0, 0}, 0, 0, 0};
+  constexpr double least = 0.01;  // beyond, a fit would extrapolate
+  if (!(weight > least)) return {{0, 0, 0}, 0, 0, weight};
   mean = (1 / weight) * mean;
   spread += -weight * outer(mean);
   // Directions in which particles do not differ, as across a film, have no slope.
