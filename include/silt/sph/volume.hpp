@@ -55,13 +55,15 @@ struct DriftingVolume {
 };
 
 /// Densities relax to those of the space of the particles, where they differ from it by more than
-/// `band`. The continuity equation alone loses this
-/// relation where a liquid breaks up and merges again: drops keep their density on impact, and
-/// their particles stay too far apart. A liquid poured into a packed bed then takes a third more
-/// space than its volume.
+/// `band`. The continuity equation alone loses this relation where a liquid breaks up and merges
+/// again: drops keep their density on impact, and their particles stay too far apart. A liquid
+/// poured into a packed bed then takes a third more space than its volume.
 ///
-///   d rho_a/dt = ... + rate c/h rho_a b(n_a - 1) f,  n_a = -sum V_b r.grad W over that of a
-///   lattice b(x) = x - band for x > band, x + band for x < -band, 0 between
+///   d rho_a/dt = ... + rate c/h rho_a b(n_a - 1) f
+///
+///   n_a = -sum V_b r.grad W over that of a lattice
+///
+///   b(x) = x - band for x > band, x + band for x < -band, 0 between
 ///
 /// The band leaves a liquid alone that keeps its volume: n of particles in no order differs from 1
 /// by up to 0.03. Without it, pressures follow this disorder, and a liquid never comes to rest.
@@ -72,9 +74,9 @@ struct DriftingVolume {
 ///   f = (2 - 10 h |sum V_b grad W|) (5 n_a - 2.5) 1000 (rho_a/rho_0 - 1), each from 0 to 1
 ///
 /// For n < 1 also (1 - |sum V grad W| over that below a flat surface with the same n): two or three
-/// rows below a surface n is up to 0.1 below 1 without a void. The third factor excludes liquid
-/// without pressure: liquid that is too dilute is not contracted, but settles by its weight. With a
-/// tension it would form clumps.
+/// rows below a surface n is up to 0.1 less than 1 without a void. The third factor of f excludes
+/// liquid without pressure: liquid that is too dilute is not contracted, but settles by its weight.
+/// With a tension it would form clumps.
 ///
 /// Source: silt's own.
 /// Valid:  with MirroredWalls; DynamicWalls keep the liquid at a distance in any case.
@@ -100,7 +102,8 @@ struct RestoredVolume {
                 double sound) const {
     const double pressed = std::clamp(1000 * (rho - 1), 0.0, 1.0);
     double beyond = full - std::clamp(full, 1 - band, 1 + band);
-    if (beyond < 0) beyond *= std::clamp(1 - h * norm(slope) / flat, 0.0, 1.0);
+    const double steep = h * norm(slope);
+    if (beyond < 0) beyond *= steep < flat ? 1 - steep / flat : 0;
     return rate * sound / h * beyond * detail::sph_is_surrounded(slope, h) *
            detail::sph_is_packed(full) * pressed;
   }
