@@ -11,7 +11,7 @@
 
 /// Observers of the liquid of an Sph in a run: at points, and levels of its surface. liquid_at()
 /// and liquid_level() do the same without a simulation. Each place takes one pass over the liquid.
-/// Errors: InputError for points that are not finite, and for none.
+/// Errors: InputError for points that are not finite, empty names, and no points.
 /// Tests:  tests/sph/liquid_at.cpp.
 
 namespace silt::inline SILT_TARGET {
@@ -48,8 +48,7 @@ inline void check_liquid_probes(const char* what, const std::string& path,
 /// filled by liquid [-] at points, one row per time, to the table `path`; velocity and pressure are
 /// 0 where that is below 0.01. For `silt curves`.
 ///
-///   sim.run(1.0, silt::liquid_probes("probes.csv", {{"wall", {0, 0.1, 0.02}}},
-///   silt::every(0.01)));
+///   sim.run(1.0, silt::liquid_probes("p.csv", {{"wall", {0, 0.1, 0.02}}}, silt::every(0.01)));
 inline auto liquid_probes(const std::string& path, DynArray<LiquidProbe> probes,
                           Schedule schedule) {
   detail::check_liquid_probes("liquid_probes", path, probes);

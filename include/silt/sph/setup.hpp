@@ -52,11 +52,10 @@ enum class Slip { None, Free };
 struct SphSetup {
   /// [-] Courant numbers of LeapfrogTime: the default, and the largest (docs/sph_method.md).
   static constexpr double usual_courant = 0.6, most_courant = 1;
-  double spacing = 0;  // [m] initial distance of particles
-  Box region;          // [m] what leaves it is removed and counted; in 2D min.y = max.y
-  double smoothing =
-      0;               // [-] h = smoothing sqrt(D) spacing; 0: 0.9, in 2D 1.2 (docs/sph_method.md)
-  int dimensions = 3;  // 2: in x and z; a slice one spacing thick
+  double spacing = 0;              // [m] initial distance of particles
+  Box region;                      // [m] what leaves it is removed and counted; in 2D min.y = max.y
+  double smoothing = 0;            // [-] h = smoothing sqrt(D) spacing; 0: 0.9 in 3D, 1.2 in 2D
+  int dimensions = 3;              // 2: in x and z; a slice one spacing thick
   std::array<bool, 3> periodic{};  // the region repeats
   Vec3d gravity{0, 0, 0};          // [m/s2]
   double courant = 0;              // [-] of the time step; 0: 0.6; with SymplecticTime 0.3, or

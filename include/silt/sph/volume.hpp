@@ -41,9 +41,7 @@ inline double sph_spray_loss(const Vec3d& slope, double full, double h, double s
 /// Densities follow only the continuity equation, except in spray and where a particle has few
 /// neighbours (time_step.hpp). The default with NoShifting and with UnresolvedGrains.
 /// Source: none: the continuity equation of Sph.
-/// Valid:  liquids that do not break up and merge again; after a splash they take up to half as
-/// much
-///         space again.
+/// Valid:  liquids that do not break up and merge again, else they take too much space.
 /// Units:  none.
 /// Errors: none.
 /// Tests:  tests/sph/volume.cpp.
