@@ -7,6 +7,7 @@
 #   front_speed_over_ritters           pressure that pushes a surface which has none
 #   energy_over_that_at_the_start      viscosity or diffusion that is too large by some factors
 #   energy_that_came_from_nothing      a step that is too long; forces that are not those of one energy
+#   rms_change_of_pressure_to_T_0_1    a start with the pressure of a column at rest, or a wrong series
 #   largest_change_of_density          an equation of state that is too soft
 #   particles_that_left                a wall that leaks
 set -u

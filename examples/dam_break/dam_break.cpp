@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include <silt/files/csv_table.hpp>
 #include <silt/files/vtk.hpp>
@@ -37,9 +38,11 @@ Record simulate(const Scene& s, Water& water, double start, const example::Optio
        "deep front [-]"});
   silt::VtkSeries series(options.out + "/vtk", "liquid");
   const int rows = static_cast<int>(std::lround(s.end / between));
+  const std::vector<double> first = pressures(water);
   for (int k = 0; k <= rows; ++k) {
     water.run(std::max(k * between * s.unit() - water.time(), 0.0), options.threads);
     const Look l = look_at(water, start);
+    if (k <= 5) record.jolt = std::max(record.jolt, change_of(first, pressures(water)));
     record.T.push_back(k * between), record.looks.push_back(l);
     table.add_row({water.time(), k * between, l.front, l.height, l.kinetic, l.potential, l.elastic,
                    l.speed, l.density, l.deep});

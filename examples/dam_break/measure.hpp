@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "dam_break/measured.hpp"
@@ -52,9 +53,26 @@ Look look_at(const Water& water, double start) {
   return out;
 }
 
+/// [Pa] of each particle, by number.
+template <class Water>
+std::vector<double> pressures(const Water& water) {
+  std::vector<double> all(water.size(), 0.0);
+  water.for_each([&](std::uint32_t number, const Vec3d&, const Vec3d&, double, double p) {
+    if (number < all.size()) all[number] = p;
+  });
+  return all;
+}
+/// [-] rms change of pressures over that of the column's height.
+inline double change_of(const std::vector<double>& from, const std::vector<double>& to) {
+  double sum = 0;
+  for (std::size_t k = 0; k < from.size(); ++k) sum += std::pow(to[k] - from[k], 2);
+  return std::sqrt(sum / static_cast<double>(from.size())) / (1000 * Scene::g * 2 * Scene::a);
+}
+
 struct Record {
   std::vector<double> T;
   std::vector<Look> looks;
+  double jolt = 0;  // [-] change of pressures until T = 0.1
 
   Curve curve(double Look::*of) const {
     Curve c{"computed", "", T, {}};
