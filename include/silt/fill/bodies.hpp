@@ -221,6 +221,7 @@ class Particles<S> {
       require(p.radius > 0 || forms[p.form].shape.has_size(), "particle ", number,
               ": radius = 0 [m] must be greater than 0: the form of a Sphere",
               detail::after_number(forms[p.form].name), " has no size of its own");
+    detail::check_resolved(p.position, p.radius > 0 ? p.radius : forms[p.form].radius, number);
   }
 
   /// Fills a region without overlap of bounding spheres, including those of existing particles.

@@ -1,8 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include <silt/core/dyn_array.hpp>
@@ -53,6 +55,16 @@ void check_state(const P& p, std::size_t number) {
   require(is_finite(p.angular_velocity), "particle ", number,
           ": angular_velocity = ", p.angular_velocity, " [rad/s] must be finite");
 }
+/// Overlaps are some thousandths of a radius. Where doubles are further apart than a
+/// ten-thousandth, at 4.5e11 radii from the origin, forces would be arbitrary and slow particles
+/// would not move.
+inline void check_resolved(const Vec3d& position, double radius, std::size_t number) {
+  const double apart = std::numeric_limits<double>::epsilon() *
+                       std::max({std::abs(position.x), std::abs(position.y), std::abs(position.z)});
+  require(apart <= 1e-4 * radius, "particle ", number, ": position = ", position,
+          " [m] is so far from the origin that neighbouring numbers are ", sentence(apart),
+          " m apart, too coarse for a radius of ", radius, " m; move the scene to the origin");
+}
 
 }  // namespace detail
 
@@ -89,6 +101,7 @@ class Particles {
     detail::check_state(p, number);
     require(std::isfinite(p.radius) && p.radius > 0, "particle ", number, ": radius = ", p.radius,
             " [m] must be finite and greater than 0");
+    detail::check_resolved(p.position, p.radius, number);
   }
 
   /// Fills a region without overlap, including existing particles. If the request cannot be met,
