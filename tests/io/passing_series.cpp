@@ -436,6 +436,9 @@ TEST_CASE("passing_series: files, restarts and surfaces that do not fit are refu
   CHECK(has_words(
       refusal<InputError>([&] { sim.run(0.01, series("a"), series("a")); }),
       {"two observers of this run write '" + folder / "a'", "give each a file of its own"}));
+  for (const char* same : {"./a", "x/../a", "/a", "x/./y//../../a/"})
+    CHECK(has_words(refusal<InputError>([&] { sim.run(0.01, series("a"), series(same)); }),
+                    {"two observers of this run write"}));
   CHECK(has_words(refusal<InputError>([&] {
                     sim.run(0.01, silt::wall_series(folder / "b", std::size_t{0}, every(0.01)),
                             series("b"));

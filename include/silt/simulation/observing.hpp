@@ -1,6 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <unistd.h>
+
+#include <algorithm>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -181,13 +184,32 @@ void observe_all([[maybe_unused]] Sim& sim, [[maybe_unused]] bool again, Observe
     (observe(observers, sim, Instant{again, saving, last}, ++number, sizeof...(Observers)), ...);
   }
 }
+/// A path from the root, without `.`, `..` and doubled slashes; links are not followed.
+[[gnu::cold]] inline std::string plain_path(const std::string& path) {
+  std::string all = path, out;
+  if (path.empty() || path.front() != '/') {
+    char folder[4096];
+    if (::getcwd(folder, sizeof folder) != nullptr) all = folder + ('/' + path);
+  }
+  for (std::size_t from = 0; from < all.size();) {
+    const std::size_t to = std::min(all.find('/', from), all.size());
+    const std::string part = all.substr(from, to - from);
+    if (part == "..")
+      out.erase(std::min(out.rfind('/'), out.size()));
+    else if (!part.empty() && part != ".")
+      out += '/' + part;
+    from = to + 1;
+  }
+  return out;
+}
 /// The files that observers of a simulation have begun to write, and the run in which.
 class WrittenFiles {
  public:
   void begin_run() { ++run_; }
-  /// Whether an earlier run has written the file. InputError if this run does already.
+  /// Whether an earlier run has written the file, however its path is spelt. InputError if this run
+  /// does already.
   bool has(const std::string& file) {
-    const auto [at, is_new] = written_.try_emplace(file, run_);
+    const auto [at, is_new] = written_.try_emplace(plain_path(file), run_);
     require(is_new || at->second != run_, "two observers of this run write '", file,
             "'; give each a file of its own");
     at->second = run_;

@@ -12,7 +12,6 @@ namespace silt::inline SILT_TARGET {
 /// In a cap of depth d at the point p with the outward normal m, the surface at x from p along the
 /// tangent plane is below that plane by (f(p + x) - 1)/|grad f|, with f of super_ellipsoid.hpp.
 /// Each axis k contributes a parabola near p, and a power s_k far from it:
-/// super_ellipsoid.hpp. Each axis k contributes a parabola near p, and far from it a power s_k:
 ///   parabola  x^2 D_k,  D_k = (s_k - 1) m_k p_k/(2 d p_k^2)                                   (1)
 ///   power     x^2 D_k,  D_k = 1/(a_k^2 e^(2/s_k)),  e = s_k d/(m . p)                          (2)
 /// Each reaches the depth d where x^2 D_k = 1. Both are added: D = sum_k (D_k/K_k) n_k n_k^T; for
@@ -22,6 +21,13 @@ namespace silt::inline SILT_TARGET {
 /// The second factor approximates the Beta functions of a cap weighted by its depth within 3 %: 1/6
 /// of the half width squared for a paraboloid, 1/3 for a flat square. The first factor leaves round
 /// surfaces to rolling models: contacts of ellipsoids count as points, like those of spheres.
+/// A face across z has the outline of a super-ellipse with the exponent s2, and the depth falls
+/// with the power s1 of the distance from its centre. Where s1 and s2 differ, as in tablets, the
+/// covariance of x and y there, exact for a flat face, is
+///   K = (1 - 16/s1^4) c(s2) (s1 + 2)/(s1 + 4),
+///   c = Gamma(3/s2) Gamma(1 + 2/s2)/(Gamma(1/s2) Gamma(1 + 4/s2))                             (4)
+/// with c within 1 % as (1 - 0.312/s2 - 0.376/s2^2)/3: 1/4 for a disc, 1/3 for a square. Between
+/// face and side, 1/K is interpolated by the square of the normal's component along z.
 /// Accuracy: of the width 7 % at faces with s of at least 4, otherwise a factor of 1.8.
 /// Source:  silt's own. Tests: tests/shape/contact_spread.cpp.
 template <class Real>
@@ -48,13 +54,24 @@ template <class Real>
 struct PowerOf {
   Real power, parabola, far;
 };
-/// By 1/s; `depth` [-] d/(m . p).
+/// (3) without its first factor, by 1/s.
 template <class Real>
-SILT_INLINE PowerOf<Real> power_of(const Real& over_s, const Real& depth) {
+SILT_INLINE Real share_of_cap(const Real& o) {
+  return Real(1.0 / 3) * (Real(1) - Real(1.75) * o + Real(1.5) * o * o);
+}
+/// (4) without its first factor, by 1/s1 and 1/s2.
+template <class Real>
+SILT_INLINE Real share_of_face(const Real& o1, const Real& o2) {
+  const Real outline = Real(1.0 / 3) * (Real(1) - (Real(0.312) + Real(0.376) * o2) * o2);
+  return outline * (Real(1) + Real(2) * o1) / (Real(1) + Real(4) * o1);
+}
+/// By 1/s; `depth` [-] d/(m . p); `share` K without its first factor.
+template <class Real>
+SILT_INLINE PowerOf<Real> power_of(const Real& over_s, const Real& depth, const Real& share) {
   const Real one(1), o = over_s, o2 = o * o;
   const Real flat = max(one - Real(16) * o2 * o2, Real(1e-4));
   const Real power = rough_exp2(Real(2) * o * rough_log2(max(depth / o, Real(1e-30))));
-  const Real q = Real(3) / ((one - Real(1.75) * o + Real(1.5) * o2) * o * flat);
+  const Real q = one / (share * o * flat);
   return {power, q * (one - o), q * o};
 }
 
@@ -71,11 +88,13 @@ SILT_INLINE Spread<Real> sharpness(const Form& form, const BodyAxes<Real>& axes,
   const Real d = max(overlap, Real(1e-12) * form.size), twice = Real(2) * d;
   // 1/s = 1 - 1/p. For x and y: a face across z has s1, others s2.
   const Real over1 = one - form.one_over_p1, depth = d / height;
-  const PowerOf<Real> along_z = power_of(over1, depth);
+  const PowerOf<Real> along_z = power_of(over1, depth, share_of_cap(over1));
   PowerOf<Real> across_z = along_z;
   if constexpr (!std::is_same_v<Form, typename Form::template Of<Real, Exponents::Equal>>) {
     const Real over2 = one - form.ratio * form.one_over_p1;
-    across_z = power_of(over2 + (over1 - over2) * m.z * m.z, depth);
+    const Real facing = m.z * m.z, o = over2 + (over1 - over2) * facing;
+    const Real side = share_of_cap(o), face = share_of_face(over1, over2);
+    across_z = power_of(o, depth, side * face / (face + facing * (side - face)));
   }
   Real top[3], bottom[3];
   const auto of_axis = [&](int k, const PowerOf<Real>& s, const Real& mk, const Real& pk,
