@@ -10,6 +10,10 @@ class Error(Exception):
     """One sentence for the user: what is wrong, where, and what to change."""
 
 
+class NoFrame(Error, IndexError):
+    """A series has no frame of that number. An IndexError too, as for lists."""
+
+
 def cannot_read(path: str, error: OSError) -> Error:
     """Of a file that cannot be opened; says so if it is still being written."""
     if isinstance(error, FileNotFoundError) and os.path.exists(path + ".partial"):

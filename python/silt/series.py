@@ -13,7 +13,7 @@ from typing import Callable, Iterator, NamedTuple, Optional, Sequence, Union, ov
 
 import numpy as np
 
-from .errors import Error, cannot_read
+from .errors import Error, NoFrame, cannot_read
 from .frame import Frame
 from .sources import PiecesSource, Source, source_of
 
@@ -64,7 +64,7 @@ class Series:
         if len(self) == 0:
             raise Error(f"series '{self.path}' has no frames yet")
         if not -len(self) <= which < len(self):
-            raise IndexError(f"series '{self.path}' has {len(self)} frames, no number {which}")
+            raise NoFrame(f"series '{self.path}' has {len(self)} frames, no number {which}")
         k = which % len(self)
         return Frame(self._load(k), float(self.times[k]), self.steps[k])
 
@@ -75,6 +75,8 @@ class Series:
         """The number of the frame nearest to a time [s]."""
         if len(self) == 0:
             raise Error(f"series '{self.path}' has no frames yet")
+        if math.isnan(time):
+            raise Error(f"series '{self.path}': the time is nan; give it in s")
         return int(np.argmin(np.abs(self.times - time))) if np.isfinite(self.times).any() else 0
 
     def at(self, time: float) -> Frame:

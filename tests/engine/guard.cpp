@@ -231,6 +231,11 @@ TEST_CASE("guard: limits, gravity, duration and threads that make no sense are r
       has_words(refused([](auto& s) { s.guard.max_overlap = 0; }), {"Guard.max_overlap = 0 [-]"}));
   CHECK(has_words(refused([](auto& s) { s.guard.max_time_step = -1; }),
                   {"Guard.max_time_step = -1 [-]"}));
+  const auto boxed = [&](const Box& domain) {
+    return refused([&](auto& s) { s.guard.domain = domain; });
+  };
+  CHECK(has_words(boxed({{1, 1, 1}, {-1, -1, -1}}), {"guard.domain from (1, 1, 1) to"}));
+  CHECK(has_words(boxed({{-1, -1, -1}, {1, nan, 1}}), {"must have its min below its max"}));
   CHECK(has_words(refused([&](auto& s) { s.gravity.y = nan; }), {"gravity = (0, nan, 0) [m/s2]"}));
   CHECK(has_words(refused([](auto& s) { s.time_step = 0; }), {"time_step = 0 [s]"}));
   CHECK(has_words(refused([&](auto& s) { s.time_step = nan; }), {"time_step = nan [s]"}));

@@ -288,6 +288,8 @@ TEST_CASE("packing: requests that make no sense are refused by name") {
   says(box, {.radius = 0.1, .count = 5, .solid_volume = 0.1},
        "FillRequest.count = 5 and FillRequest.solid_volume = 0.1 [m3] are both given");
   says(box, {.radius = 0.1, .gap = -1}, "FillRequest.gap = -1 [m]");
+  says(box, {.radius = 0.1, .count = static_cast<std::size_t>(-5)},
+       "is a negative number that was converted");
   says(box, {.radius = 0.1, .count = 0},
        "FillRequest.count = 0 [-] must be at least 1; leave it out for as many as fit");
   says(box, {.radius = 0.1, .solid_volume = not_a_number}, "FillRequest.solid_volume = nan [m3]");

@@ -534,6 +534,21 @@ TEST_CASE("inlet_warnings: an inlet far beyond what its region takes, in a short
 
 // --- single settings ------------------------------------------------------------------------
 
+// Catches moduli in GPa, and ones with too many zeros.
+TEST_CASE("scene_warnings: a material softer than gels or stiffer than diamond") {
+  const auto of = [](double modulus) {
+    auto m = rubber;
+    m.youngs_modulus = modulus;
+    silt::Simulation sim{block({}), silt::Contacts<HertzMindlin>{m}};
+    sim.gravity = {0, 0, -9.81};
+    sim.add_wall(silt::box({0, 0, 0}, {width, width, width}), m);
+    return scene_warnings(sim);
+  };
+  CHECK(is_one(of(210), {"youngs_modulus = 210 Pa of material 0", "of a gel", "1 GPa is 1e9 Pa"}));
+  CHECK(is_one(of(7e19), {"more than that of diamond"}));
+  for (const double usual : {1e3, 1e5, 2.1e11, 1.2e12}) CHECK(of(usual).empty());
+}
+
 // Catches a friction in per cent, which every law accepts.
 TEST_CASE("scene_warnings: friction in per cent, of a material, of a pair, and below a cohesion") {
   const auto rough = [](double friction) {

@@ -91,6 +91,10 @@ class Particles(Refuses, unittest.TestCase):
             self.assertEqual(series[::2][1].step, series[2].step)
             self.assertEqual(series.at(0.07).step, series.steps[2])
             self.raises("which is not there; copy all files", lambda: series[1]["velocity"])
+            with self.assertRaisesRegex(silt.Error, "the time is nan"):
+                series.at(math.nan)
+            with self.assertRaises(silt.Error):
+                series[len(series)]
             with self.assertRaises(IndexError):
                 series[3]
 

@@ -25,7 +25,7 @@ struct Driven {
   double spacing, side;
   Sph<ArtificialViscosity> water;
   std::vector<Vec3d> x, v{{0, 0, 0}}, w{{0, 0, 0}}, force{{0, 0, 0}}, torque{{0, 0, 0}};
-  std::vector<double> r{R}, volume{4 * std::numbers::pi / 3}, mass{1};
+  std::vector<double> r{R}, volume{4 * std::numbers::pi / 3}, mass{INFINITY};
   Team team{2};
 
   explicit Driven(int n)
@@ -166,7 +166,7 @@ double buoyancy(const Walls& walls) {  // over that of the sphere's volume
   water.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
   water.fill([side](const Vec3d& x) { return x.z < side; });
   std::vector<Vec3d> x{{0.08, 0.08, 0.08}}, v{{0, 0, 0}}, w = v, force(1), torque(1);
-  std::vector<double> r{0.04}, volume{4 * std::numbers::pi / 3 * 0.04 * 0.04 * 0.04}, mass{1};
+  std::vector<double> r{0.04}, volume{4 * std::numbers::pi / 3 * 0.04 * 0.04 * 0.04}, mass{INFINITY};
   CoupledParticles of{};
   of.shape.position = x, of.shape.radius = r, of.velocity = v, of.volume = volume, of.mass = mass;
   of.angular_velocity = w;

@@ -98,11 +98,12 @@ TEST_CASE("SPH: a body of any shape gives the liquid what it gets from it") {
   const Polyhedron shape = brick(0.35, 0.25, 0.2);
   water.take_form(0, shape);
   std::vector<Vec3d> x{{0.3, 0.5, 0.6}}, v{{0.4, 0.1, 0}}, w{{0, 0.5, 0.7}}, force(1), torque(1);
-  const std::vector<double> r{std::cbrt(0.75 * 8 * 0.35 * 0.25 * 0.2 / std::numbers::pi)}, one{1};
+  const std::vector<double> r{std::cbrt(0.75 * 8 * 0.35 * 0.25 * 0.2 / std::numbers::pi)}, one{1},
+      held{INFINITY};
   std::vector<Quaternion> axes{rotation_about({0, 0, 1}, 0.4)};
   const std::vector<std::uint32_t> form{0};
   CoupledParticles of{};
-  of.shape.position = x, of.shape.radius = r, of.velocity = v, of.volume = one, of.mass = one;
+  of.shape.position = x, of.shape.radius = r, of.velocity = v, of.volume = one, of.mass = held;
   of.angular_velocity = w, of.shape.orientation = axes, of.shape.form = form;
   Vec3d given{0, 0, 0};
   const double dt = 1e-3;

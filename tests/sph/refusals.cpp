@@ -280,6 +280,51 @@ TEST_CASE("SPH: spheres in 2D are warned of") {
   CHECK(said(Sph{slow, flat}, 7800 * 25).empty());
 }
 
+// Catches: a body off the plane, which pushes liquid that it does not displace; steps at which a
+// light body is thrown about, and a hint at another cause.
+TEST_CASE("SPH: in 2D bodies off the plane are refused, and light bodies beyond their step") {
+  SphSetup flat = setup;
+  flat.region = {{0, 0, 0}, {0.4, 0, 0.4}}, flat.gravity = {0, 0, -9.81};
+  const auto run = [&flat](double y, double density, double step) {
+    Sph sph{Liquid{.density = 1000, .sound_speed = 30}, flat, ArtificialViscosity{.alpha = 0.1}};
+    sph.fill([](const Vec3d& x) { return x.z < 0.3; });
+    Particles<Sphere> ball;
+    ball.add({.position = {0.2, y, 0.15}, .radius = 0.04, .density = density});
+    const HertzMindlin::Material soft{
+        .youngs_modulus = 1e7, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.3};
+    Simulation sim{std::move(ball), Contacts<HertzMindlin>{soft}, std::move(sph)};
+    sim.gravity = flat.gravity, sim.threads = 1;
+    if (step > 0) sim.time_step = step;
+    for (const Vec3d& n : {Vec3d{1, 0, 0}, Vec3d{-1, 0, 0}, Vec3d{0, 0, 1}})
+      sim.add_wall(Plane{n.x < 0 ? Vec3d{0.4, 0, 0} : Vec3d{0, 0, 0}, n}, soft);
+    sim.run(1e-3);
+  };
+  run(0, 9375, 1e-4);
+  for (const double y : {0.02, -50.0})
+    refuses<SimulationError>([&] { run(y, 9375, 1e-4); }, "is off the plane y = 0 m");
+  // 0.5 m/(rho_0 c A): m = 0.026808 kg, A = pi 0.04 m.
+  for (const double step : {1e-4, 0.0})
+    refuses<SimulationError>([&] { run(0, 100, step); }, "less than 3.55556e-06 s");
+  refuses<SimulationError>([&] { run(0, 100, 1e-4); }, "has the mass of a sphere");
+  run(0, 100, 1.4e-5);
+}
+
+// Catches: a step of sound alone, at which a tank at rest gained energy from alpha = 5 on.
+TEST_CASE("SPH: a large alpha shortens the step, and a tank stays at rest") {
+  SphSetup tank = setup;
+  tank.gravity = {0, 0, -9.81};
+  for (const double alpha : {1.0, 5.0, 20.0}) {
+    Sph sph{water, tank, ArtificialViscosity{.alpha = alpha}};
+    for (const Vec3d& n : {Vec3d{1, 0, 0}, Vec3d{-1, 0, 0}, Vec3d{0, 0, 1}})
+      sph.add_wall(Plane{n.x < 0 ? Vec3d{0.2, 0, 0} : Vec3d{0, 0, 0}, n});
+    sph.fill([](const Vec3d& x) { return x.z < 0.1; });
+    sph.run(0.1);
+    CAPTURE(alpha);
+    CHECK(sph.kinetic_energy() < 1e-5 * sph.mass() * 9.81 * 0.1);
+    CHECK(sph.longest_step() <= sph.setup().h() / (alpha * water.sound_speed) * (1 + 1e-12));
+  }
+}
+
 TEST_CASE("SPH: sound that is too slow for what the scene has is refused at the first step") {
   const auto run = [](double height, double fastest) {
     SphSetup tall = setup;

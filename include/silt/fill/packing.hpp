@@ -222,6 +222,8 @@ inline void require_count(const char* of, std::size_t count) {
   require(count != 0, of,
           ".count = 0 [-] must be at least 1; leave it out for as many as fit, and leave out the "
           "call for none");
+  require(count == as_many_as_fit || count < (as_many_as_fit >> 1), of, ".count = ", count,
+          " [-] is a negative number that was converted; it must be at least 1");
 }
 
 template <class R>

@@ -13,8 +13,9 @@ namespace silt::inline SILT_TARGET::fluid_detail {
 inline void refuse_unstable(const FlowState& state, double dt, double courant) {
   if (courant > 1)
     throw FlowStepError(
-        text("FlowSolver: the flow crosses ", detail::sentence(courant), " cells in a step of ", dt,
-             " s; it must be at most 1: use a step of at most ", dt / courant, " s"),
+        text("FlowSolver: the flow crosses ", detail::sentence(courant), " cells in a step of ",
+             detail::sentence(dt), " s; it must be at most 1: use a step of at most ",
+             detail::sentence(dt / courant), " s"),
         dt / courant);
   const Vec3d size = state.grid.h();
   const double squares = 1 / (size.x * size.x) + 1 / (size.y * size.y) + 1 / (size.z * size.z);
@@ -24,8 +25,9 @@ inline void refuse_unstable(const FlowState& state, double dt, double courant) {
     throw FlowStepError(
         text("FlowSolver: viscosity spreads over mu dt / rho (1/hx^2 + "
              "1/hy^2 + 1/hz^2) = ",
-             detail::sentence(spread), " of a cell in a step of ", dt,
-             " s; it must be at most 0.45: use a step of at most ", 0.45 * dt / spread, " s"),
+             detail::sentence(spread), " of a cell in a step of ", detail::sentence(dt),
+             " s; it must be at most 0.45: use a step of at most ",
+             detail::sentence(0.45 * dt / spread), " s"),
         0.45 * dt / spread);
 }
 

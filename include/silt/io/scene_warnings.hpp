@@ -222,6 +222,31 @@ void warn_of_units(const Sim& sim, const SceneLook& look, DynArray<std::string>&
                        " m across; give radii and all lengths in m: 1 mm is 0.001 m"));
 }
 
+/// Young's modulus [Pa] of a material, also of one that others are built on; else 0.
+template <class Material>
+double youngs_modulus_of(const Material& m) {
+  if constexpr (requires { m.youngs_modulus; })
+    return m.youngs_modulus;
+  else if constexpr (requires { m.body; })
+    return youngs_modulus_of(m.body);
+  else
+    return 0;
+}
+
+/// Moduli in GPa, or with too many zeros.
+template <class Sim>
+void warn_of_stiffness(const Sim& sim, const SceneLook& look, DynArray<std::string>& out) {
+  if (look.is_empty() || !has_scale(sim.gravity)) return;
+  for (std::size_t a = 0; a < sim.contacts().materials(); ++a) {
+    const double E = youngs_modulus_of(sim.contacts().material(a));
+    const bool soft = E > 0 && E < WarningLimits::softest;
+    if (!soft && !(E > WarningLimits::stiffest)) continue;
+    out.push_back(text("youngs_modulus = ", about(E), " Pa of ", sim.contacts().material_name(a),
+                       " is ", soft ? "less than that of a gel" : "more than that of diamond",
+                       "; give it in Pa: 1 GPa is 1e9 Pa, 1 MPa is 1e6 Pa"));
+  }
+}
+
 /// Particles and walls so cold that degrees Celsius may have been given for K.
 template <class Sim>
 void warn_of_temperatures(const Sim& sim, DynArray<std::string>& out) {
@@ -288,7 +313,7 @@ template <class Sim>
   detail::warn_of_units(sim, look, out);
   detail::warn_of_temperatures(sim, out);
   detail::warn_of_grid(sim, out);
-  detail::warn_of_friction(sim, out);
+  detail::warn_of_friction(sim, out), detail::warn_of_stiffness(sim, look, out);
   detail::warn_of_meshes(sim, look, out);
   detail::warn_of_late_motions(sim, out);
   return out;

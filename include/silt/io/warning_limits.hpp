@@ -43,6 +43,9 @@ struct WarningLimits {
   /// Dry solids have 0.1 to 1, rubber on rough ground less than 2 (recalled). Calibrated values of
   /// rough grains may be somewhat larger.
   static constexpr double most_friction = 3;  // [-]
+  /// Soft gels have some 1e3 Pa (recalled), and simulations that soften take 1e5 to 1e8. Of steel
+  /// in GPa the number is 210, of polymers 2. Diamond has 1.2e12 Pa (recalled), the stiffest solid.
+  static constexpr double softest = 500, stiffest = 2e12;  // [Pa]
   /// A mesh whose file is in mm, read without a scale, around particles that fill half of it or
   /// less.
   static constexpr double largest_mesh = 500;  // [-] of the size of all particles and inlets

@@ -74,7 +74,12 @@ void Simulation<Policies...>::begin_run() {
     change_step(chosen_time_step());
   if (scene_changed_) checked_speed_ = 0;
   scene_changed_ = laws_changed_ = false;
-  if (guard.domain) detail::check_inside(engine_, *guard.domain, step_, time_);
+  if (guard.domain) {
+    const auto& [min, max] = *guard.domain;
+    require(min.x < max.x && min.y < max.y && min.z < max.z, "guard.domain from ", min, " to ", max,
+            " [m] must have its min below its max in every direction");
+    detail::check_inside(engine_, *guard.domain, step_, time_);
+  }
 }
 
 }  // namespace silt

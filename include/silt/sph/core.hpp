@@ -183,14 +183,26 @@ struct SphCore {
                 [&](std::size_t a, std::size_t b) { return of.id[a] < of.id[b]; });
     if constexpr (Grains::averaged)
       if (!grains.pick_small(of, setup, resolved)) made = false, renewed();
-    if (setup.dimensions == 2) look_for_discs(of);
     body_ids.clear();
     for (const std::size_t p : resolved) body_ids.push_back(of.id.empty() ? p : of.id[p]);
+    if (setup.dimensions == 2) refuse_off_plane(of), look_for_discs(of);
     gaps.find_bodies(body_ids);
     if (solids.bodies.set(of, resolved, setup)) make_room_for_bodies();
     solids.walls.take_drives(time), on_walls.assign(solids.walls.walls(), {});
     exchange = sph_longest_exchange(*this, of);
     known = false;  // of the present positions, whatever was read in between
+  }
+  /// Bodies off the plane of a liquid in 2D, where their sections are others.
+  void refuse_off_plane(const CoupledParticles& of) const {
+    const double plane = setup.region.min.y;
+    for (std::size_t b = 0; b < resolved.size(); ++b) {
+      const Vec3d& at = of.shape.position[resolved[b]];
+      if (std::abs(at.y - plane) > 0.05 * setup.spacing)
+        throw Error(sentence("particle ", body_ids[b], " at ", at,
+                             " m is off the plane y = ", plane,
+                             " m of a liquid in 2D; place its centre there, and let nothing push "
+                             "it along y"));
+    }
   }
   /// Spheres with a density that a substance has: a disc's mass takes a larger one.
   void look_for_discs(const CoupledParticles& of) {
@@ -345,7 +357,7 @@ struct SphCore {
     double dt = courant * h / (liquid.sound_speed + most.pair);
     if (most.acceleration > 0)
       dt = std::min(dt, std::min(courant, most_of_fall) * std::sqrt(h / most.acceleration));
-    return std::min(dt, viscosity.longest_step(h));
+    return std::min(dt, viscosity.longest_step(h, liquid.sound_speed));
   }
 
   void renew(const Team& team) { sph_renew(*this, team), move_walls(), place_solids(true, team); }

@@ -238,15 +238,35 @@ void sph_driven_loads(const Core& core, std::span<LiquidOnWall> loads) {
 /// which damps it with the rate rho c A/m, A = 4/3 pi R^2 or in 2D pi R. Over a longer time a light
 /// body would oscillate with growing amplitude.
 template <class Core>
+double sph_exchange_of(const Core& core, const CoupledParticles& of, std::size_t p) {
+  const double R = of.shape.radius[p], pi = std::numbers::pi,
+               area = core.setup.dimensions == 2 ? pi * R : 4 * pi / 3 * R * R;
+  return 0.5 * of.mass[p] / (core.liquid.density * core.liquid.sound_speed * area);
+}
+template <class Core>
 double sph_longest_exchange(const Core& core, const CoupledParticles& of) {
   double longest = INFINITY;
-  for (const std::size_t p : core.resolved) {
-    const double R = of.shape.radius[p], pi = std::numbers::pi,
-                 area = core.setup.dimensions == 2 ? pi * R : 4 * pi / 3 * R * R;
-    longest = std::min(longest,
-                       0.5 * of.mass[p] / (core.liquid.density * core.liquid.sound_speed * area));
-  }
+  for (const std::size_t p : core.resolved)
+    longest = std::min(longest, sph_exchange_of(core, of, p));
   return longest;
+}
+/// From the second step on, which knows the bodies: steps of dt [s] beyond four times that limit,
+/// where the oscillation grows.
+template <class Core>
+void refuse_light_bodies(const Core& core, const CoupledParticles& of, double dt) {
+  if (core.steps == 0 || !(dt > 4 * core.exchange)) return;
+  for (std::size_t b = 0; b < core.resolved.size(); ++b) {
+    const std::size_t p = core.resolved[b];
+    const double longest = sph_exchange_of(core, of, p);
+    if (dt > 4 * longest)
+      throw Error(sentence(
+          "particle ", core.body_ids[b], " at ", of.shape.position[p], " m with ", of.mass[p],
+          " kg is too light compared with the liquid for steps of ", dt,
+          " s; set Simulation::time_step to less than ", longest, " s, or give it a larger mass",
+          core.disc.mass > 0 ? ": in 2D a sphere has the mass of a sphere, but displaces a disc "
+                               "that is 1 m long"
+                             : ""));
+  }
 }
 
 /// Loads of the liquid on bodies: opposite to the forces on the liquid, pair by pair.

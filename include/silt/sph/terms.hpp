@@ -26,8 +26,19 @@ struct Inviscid {
   static constexpr bool artificial = false, laminar = false;
   static constexpr const char* policy_name = "Inviscid";
   void check() const {}
-  double longest_step(double) const { return INFINITY; }
+  double longest_step(double, double) const { return INFINITY; }
 };
+
+namespace detail {
+
+/// [s] Longest step for an artificial viscosity with the kernel's h [m] and the speed of sound c
+/// [m/s]: it stops pairs that approach within about h/(alpha c). Shorter than that of sound from
+/// alpha = 1.7 on (Courant number 0.6). With 5 times its length a tank at rest began to move.
+inline double artificial_step(double alpha, double h, double c) {
+  return alpha > 0 ? h / (alpha * c) : INFINITY;
+}
+
+}  // namespace detail
 
 /// Artificial viscosity -Pi grad W, Pi = -alpha c mu/rho_ab, mu = h v_ab.r_ab/(r^2 + (0.1 h)^2) for
 /// approaching particles, 0 for others. It damps sound and keeps particles ordered.
@@ -47,7 +58,7 @@ struct ArtificialViscosity {
     require(std::isfinite(alpha) && alpha >= 0, "ArtificialViscosity.alpha = ", alpha,
             " must be at least 0; 0.01 to 0.1 are usual");
   }
-  double longest_step(double) const { return INFINITY; }
+  double longest_step(double h, double c) const { return detail::artificial_step(alpha, h, c); }
 };
 
 /// Viscosity of the liquid: 4 nu (D/s^2) m_b v_ab.r/(rho_a + rho_b) grad W in D dimensions, where
@@ -77,7 +88,9 @@ struct LaminarViscosity {
     require(std::isfinite(alpha) && alpha >= 0, "LaminarViscosity.alpha = ", alpha,
             " must be at least 0; 0.01 keeps impacts calm");
   }
-  double longest_step(double h) const { return 0.125 * h * h / kinematic; }
+  double longest_step(double h, double c) const {
+    return std::min(0.125 * h * h / kinematic, detail::artificial_step(alpha, h, c));
+  }
 };
 /// @}
 

@@ -49,7 +49,9 @@ struct SpsTurbulence {
     require(isotropic >= 0 && isotropic <= 1, "SpsTurbulence.isotropic = ", isotropic,
             " must be in [0, 1]; 0.0066 is usual");
   }
-  double longest_step(double h) const { return 0.125 * h * h / kinematic; }
+  double longest_step(double h, double c) const {
+    return std::min(0.125 * h * h / kinematic, detail::artificial_step(alpha, h, c));
+  }
 };
 
 namespace detail {

@@ -178,6 +178,10 @@ class Scene:
         for k, series in enumerate(self.series):
             if self.options.time:
                 numbers = [series.number_at(time) for time in self.options.time]
+                for time in self.options.time:
+                    if not series.times[0] - 1e-9 <= time <= series.times[-1] + 1e-9:
+                        sys.stderr.write(f"silt: '{series.path}' has frames from {series.times[0]:g} to "
+                                         f"{series.times[-1]:g} s: that nearest to {time:g} s is drawn\n")
             elif self.options.frame:
                 for n in self.options.frame:
                     if not -len(series) <= n < len(series):
