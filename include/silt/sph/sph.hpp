@@ -244,7 +244,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     core().time = core().now = end;
   }
   /// [s] from sound, speeds, accelerations and viscosity of the present state:
-  ///   courant min(h/(c + max |h v.r/(r^2 + (0.1 h)^2)|), sqrt(h/max |a|)), h^2/(8 nu)
+  ///   courant min(h/(c + max |h v.r/(r^2 + (0.1 h)^2)|), sqrt(h/max |a|)), h/(alpha c), h^2/(8 nu)
   double longest_step(const Team& team = {}) {
     core().find_start(team);
     return core().stable_step();
