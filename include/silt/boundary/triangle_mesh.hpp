@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <vector>
@@ -56,8 +57,9 @@ class TriangleMesh {
 
   Box bounds() const { return tree_.bounds(); }
   double area() const { return area_; }  // [m2]
-  /// Enclosed volume [m3] of a closed mesh; positive if the normals point outwards.
-  double volume() const { return volume_; }
+  /// Enclosed volume [m3] of a closed mesh; positive if the normals point outwards. An open mesh has
+  /// none: nan.
+  double volume() const { return closed_ ? volume_ : std::numeric_limits<double>::quiet_NaN(); }
   /// True if the triangles are consistently oriented and leave no gap.
   bool is_closed() const { return closed_; }
   /// True if `point` is enclosed, for either orientation of the triangles. On the surface, to

@@ -233,7 +233,9 @@ template <class EngineType, class Domain, class Words>
                  ", and have parted within the step", advice()),
         step, {}, {});
   const bool is_common = c.limit == limit;
-  const Vec3d where = place_before(e, c.a, back);
+  const auto& radii = e.particles.position;  // the smaller one is nearer to the contact
+  const bool at_b = !c.with_wall && radii[c.b].r < radii[c.a].r;
+  const Vec3d where = place_before(e, at_b ? c.b : c.a, back);
   const auto head = sentence("step ", step, ", t = ", time, " s: ");
   const std::string both = words.name(c.material_a) + " and " + words.name(c.material_b);
   const bool is_given_so = at_start && c.overlap > 1;  // larger than any material would allow
