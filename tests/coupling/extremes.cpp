@@ -214,6 +214,7 @@ TEST_CASE("a coupled flow warns of what it cannot hold, of grains in its walls, 
                        "1 of 1 particles start with their centres in walls of the flow"));
   CHECK(silt_test::has(told({998, 1e-6}, 0.5e-3, nothing), "is a kinematic viscosity of 1.00"));
   CHECK(silt_test::has(told({1, 1e-3}, 0.5e-3, nothing), "is neither a gas nor a liquid"));
+  CHECK(silt_test::has(told({1.2e-3, 1e-6}, 0.5e-3, nothing), "density in g/cm3"));
   const auto heated = [](double capacity, double temperature) {
     return [=](FlowSolver& flow) {
       flow.set_heat(

@@ -11,7 +11,8 @@ namespace silt::inline SILT_TARGET::detail {
 
 /// Sentences for properties that no fluid has, mostly a wrong unit. Limits (recalled): kinematic
 /// viscosities are above 2e-8 m2/s (liquid helium; water 1e-6, mercury 1e-7), gases have less than
-/// 2e-4 Pa s and liquids more than 20 kg/m3, heat capacities are above 50 J/(kg K) (mercury 140).
+/// 2e-4 Pa s and liquids more than 20 kg/m3, hydrogen at 0.1 bar and 20 C has 0.008 kg/m3
+/// (computed, ideal gas), heat capacities are above 50 J/(kg K) (mercury 140).
 [[gnu::cold]] inline DynArray<std::string> odd_fluid(const FluidProperties& of) {
   DynArray<std::string> out;
   if (of.viscosity > 0 && of.viscosity < 2e-8 * of.density)
@@ -24,6 +25,10 @@ namespace silt::inline SILT_TARGET::detail {
                        " kg/m3 with viscosity = ", of.viscosity,
                        " Pa s is neither a gas nor a liquid; give the density in "
                        "kg/m3 (water 998) and the viscosity in Pa s (air 1.8e-5)"));
+  else if (of.density < 5e-3)
+    out.push_back(text("FluidProperties.density = ", of.density,
+                       " kg/m3 is less than that of hydrogen at a tenth of a bar; air has 1.2: a "
+                       "density in g/cm3 is a thousandth of that in kg/m3"));
   return out;
 }
 template <class Heat>
