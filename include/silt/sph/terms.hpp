@@ -33,7 +33,8 @@ namespace detail {
 
 /// [s] Longest step for an artificial viscosity with the kernel's h [m] and the speed of sound c
 /// [m/s]: it stops pairs that approach within about h/(alpha c). Shorter than that of sound from
-/// alpha = 1.7 on (Courant number 0.6). With 5 times its length a tank at rest began to move.
+/// alpha = 1.7 on (Courant number 0.6). With 3 times its length, at alpha = 5, a tank at rest began
+/// to move.
 inline double artificial_step(double alpha, double h, double c) {
   return alpha > 0 ? h / (alpha * c) : INFINITY;
 }
