@@ -315,6 +315,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void measure_scene();
   std::optional<detail::ShortestContact> shortest_contact(double speed) const;
   double longest_travel_step(double speed) const;
+  double longest_step_in_fluid() const;
   bool is_step_too_long() const;
   bool is_longer_than_own() const;
   bool is_longer_than_chosen() const;

@@ -42,6 +42,29 @@ TEST_CASE("text and sentence: all digits, and six") {
   CHECK(silt::detail::sentence("step ", 12345678, ", above ", 0.3) == "step 12345678, above 0.3");
 }
 
+TEST_CASE("require: input as it was given, computed numbers with six digits") {
+  const auto shown = [](double x) {
+    std::string sentence;
+    try {
+      silt::require(false, x);
+    } catch (const silt::InputError& error) {
+      sentence = error.what();
+    }
+    return sentence;
+  };
+  CHECK(shown(1.0000001) == "1.0000001");
+  CHECK(shown(-0.000123456789) == "-0.000123456789");
+  CHECK(shown(123456789) == "123456789");
+  CHECK(shown(1e300) == "1e+300");
+  CHECK(shown(1.1292541823325377e-05) == "1.12925e-05");
+  CHECK(shown(-200.0 / 3) == "-66.6667");
+  // What six digits only just miss keeps all of them: x must not be above itself.
+  CHECK(shown(0.1 + 0.2) == "0.30000000000000004");
+  CHECK(shown(std::nextafter(0.3, 0)) == "0.29999999999999993");
+  CHECK(shown(NAN) == "nan");
+  CHECK(shown(-INFINITY) == "-inf");
+}
+
 TEST_CASE("in_quotes: what is shown of any text is printable, and at most 60 characters of it") {
   CHECK(silt::in_quotes("") == "''");
   CHECK(silt::in_quotes("semi-axis c") == "'semi-axis c'");

@@ -31,6 +31,29 @@ inline void append(std::string& out, double value) {
       std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, 6).ptr);
 }
 
+/// Appends the shortest form that reads back exactly, or six digits of a number that needs more than
+/// nine: such numbers are computed. One that six digits only just miss keeps all of them:
+/// 0.30000000000000004 must not be reported as 0.3.
+[[gnu::cold]] inline void append_readable(std::string& out, double value) {
+  char exact[32], six[32];
+  const auto end = std::to_chars(exact, exact + sizeof exact, value).ptr;
+  int digits = 0;
+  for (const char* c = exact; c != end && *c != 'e'; ++c)
+    digits += (*c > '0' || (digits > 0 && *c == '0')) && *c <= '9';
+  if (digits > 9) {
+    const auto end_of_six =
+        std::to_chars(six, six + sizeof six, value, std::chars_format::general, 6).ptr;
+    double rounded = value;
+    std::from_chars(six, end_of_six, rounded);
+    const double apart = rounded > value ? rounded - value : value - rounded;
+    if (apart > 1e-9 * (value > 0 ? value : -value)) return void(out.append(six, end_of_six));
+  }
+  out.append(exact, end);
+}
+
+/// How numbers are written: exactly, as by append_readable, or with six digits.
+enum class Digits : unsigned char { All, Readable, Six };
+
 /// One word or number of a message; strings and vectors are referred to and must outlive it.
 /// Neither this class nor the functions that take it are templates, and it is two words long: there
 /// are many messages, and each would add compile time to every program that includes silt.
@@ -51,8 +74,12 @@ class Part {
   Part(unsigned long n) : Part(static_cast<unsigned long long>(n)) {}  // NOLINT
   Part(unsigned long long n) : kind_(Kind::Count), count_(n) {}        // NOLINT
 
-  [[gnu::cold]] void append_to(std::string& out, bool rounded = false) const {
-    const auto number = [&](double x) { rounded ? append_rounded(out, x) : append(out, x); };
+  [[gnu::cold]] void append_to(std::string& out, Digits digits) const {
+    const auto number = [&](double x) {
+      digits == Digits::Six        ? append_rounded(out, x)
+      : digits == Digits::Readable ? append_readable(out, x)
+                                   : append(out, x);
+    };
     switch (kind_) {
       case Kind::Literal:
         out += words_;
@@ -92,9 +119,10 @@ class Part {
   };
 };
 
-[[gnu::cold]] inline std::string join(std::initializer_list<Part> parts, bool rounded = false) {
+[[gnu::cold]] inline std::string join(std::initializer_list<Part> parts,
+                                       Digits digits = Digits::All) {
   std::string out;
-  for (const auto& part : parts) part.append_to(out, rounded);
+  for (const auto& part : parts) part.append_to(out, digits);
   return out;
 }
 
@@ -108,11 +136,11 @@ template <class... Parts>
 
 namespace detail {
 
-/// As text(), with numbers of six digits, for messages about computed values. Messages about input
-/// keep all digits: 1.0000001 must not be reported as 1.
+/// As text(), with numbers of six digits, for messages about computed values. Messages about input,
+/// by require(), keep up to nine: 1.0000001 must not be reported as 1.
 template <class... Parts>
 [[gnu::cold]] std::string sentence(const Parts&... parts) {
-  return join({parts...}, true);
+  return join({parts...}, Digits::Six);
 }
 
 /// Length [bytes] of the first character of `words` if it is printable; 0 for a control character
@@ -156,7 +184,7 @@ template <class... Parts>
 
 namespace detail {
 [[noreturn, gnu::cold, gnu::noinline]] inline void refuse(std::initializer_list<Part> parts) {
-  throw InputError(join(parts));
+  throw InputError(join(parts, Digits::Readable));
 }
 }  // namespace detail
 

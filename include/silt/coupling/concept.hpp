@@ -158,6 +158,8 @@ concept ActiveFluid =
 ///   static constexpr bool warns_at_start       and after the first step of a run
 ///   FastestFluid fastest(scene)       its largest velocity in a box: the particles' time step is
 ///                                     chosen for the speed that it gives them
+///   double longest_particle_step(radius, mass) [s] longest step of the particles in which its
+///                                     loads on one of this radius [m] and mass [kg] may be constant
 ///   load_on_driven(w)                 its load on the driven wall w of the scene, and its
 ///                                     stiffness for a servo: LiquidOnWall, sph/driven_walls.hpp
 ///   void write(path), file_kind       writes the fluid for ParaView (vtk_series); its ending
@@ -207,6 +209,9 @@ struct FluidTraits {
   static constexpr bool follows = requires { requires F::follows; };
   static constexpr bool carries = requires(const F& f, const Box& scene) {
     { f.fastest(scene) } -> std::same_as<FastestFluid>;
+  };
+  static constexpr bool limits_steps = requires(const F& f) {
+    { f.longest_particle_step(1.0, 1.0) } -> std::same_as<double>;
   };
   static constexpr bool sees_forms = requires { requires F::sees_forms; };
   template <class Shape>

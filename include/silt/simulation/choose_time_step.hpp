@@ -167,7 +167,7 @@ double Simulation<Policies...>::chosen_time_step() const {
     if (shortest)
       require(*time_step <= guard.max_time_step * shortest->time,
               "Simulation::time_step = ", *time_step, " [s] is above the limit ",
-              guard.max_time_step * shortest->time,
+              detail::below(guard.max_time_step * shortest->time),
               " s, guard.max_time_step = ", guard.max_time_step,
               " of the shortest contact that can happen at ", speed, " m/s", tips_at(speed),
               ": that ", detail::describe(*shortest, contacts_),
@@ -204,7 +204,17 @@ double Simulation<Policies...>::step_for(double speed, double contact) const {
   for (const Wall& wall : engine_.walls)
     of_springs = std::min(of_springs, detail::spring_step(wall.drive));
   return std::min({contact / 20, 0.5 * longest_travel_step(speed), longest_module_step(),
-                   of_springs, this->longest_bond_step()});
+                   of_springs, this->longest_bond_step(), longest_step_in_fluid()});
+}
+
+/// [s] The longest step in which the loads of the fluid on all particles may be constant.
+template <class... Policies>
+double Simulation<Policies...>::longest_step_in_fluid() const {
+  double least = INFINITY;
+  if constexpr (FluidIs::limits_steps)
+    for (std::size_t k = 0; k < rows(); ++k)
+      if (is_present(k)) least = std::min(least, fluid_.longest_particle_step(radius(k), mass(k)));
+  return least;
 }
 
 /// The time step of the next drift [s].

@@ -173,6 +173,11 @@ struct SphCore {
         sph_goes(*this, k, true), columns.take_out(k), ++displaced;
     made = false, renewed();
   }
+  /// Whether a particle of this radius [m] is a body in the liquid, and no unresolved grain.
+  bool resolves(double radius) const {
+    if constexpr (Grains::averaged) return !grains.is_small(radius, setup);
+    return true;
+  }
   /// Sets the particles of a Simulation that are in the liquid.
   void take_particles(const CoupledParticles& of) {
     // In the order of their ids, because a Simulation sorts its rows at intervals.

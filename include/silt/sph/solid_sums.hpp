@@ -234,20 +234,20 @@ void sph_driven_loads(const Core& core, std::span<LiquidOnWall> loads) {
   }
 }
 
-/// [s] Longest time for which loads on bodies may be constant. A body that moves radiates sound,
-/// which damps it with the rate rho c A/m, A = 4/3 pi R^2 or in 2D pi R. Over a longer time a light
-/// body would oscillate with growing amplitude.
+/// [s] Longest time for which loads on a body of radius R [m] and mass m [kg] may be constant. A
+/// body that moves radiates sound, which damps it with the rate rho c A/m, A = 4/3 pi R^2 or in 2D
+/// pi R. Over a longer time a light body would oscillate with growing amplitude.
 template <class Core>
-double sph_exchange_of(const Core& core, const CoupledParticles& of, std::size_t p) {
-  const double R = of.shape.radius[p], pi = std::numbers::pi,
+double sph_exchange_of(const Core& core, double R, double m) {
+  const double pi = std::numbers::pi,
                area = core.setup.dimensions == 2 ? pi * R : 4 * pi / 3 * R * R;
-  return 0.5 * of.mass[p] / (core.liquid.density * core.liquid.sound_speed * area);
+  return 0.5 * m / (core.liquid.density * core.liquid.sound_speed * area);
 }
 template <class Core>
 double sph_longest_exchange(const Core& core, const CoupledParticles& of) {
   double longest = INFINITY;
   for (const std::size_t p : core.resolved)
-    longest = std::min(longest, sph_exchange_of(core, of, p));
+    longest = std::min(longest, sph_exchange_of(core, of.shape.radius[p], of.mass[p]));
   return longest;
 }
 /// From the second step on, which knows the bodies: steps of dt [s] beyond four times that limit,
@@ -257,7 +257,7 @@ void refuse_light_bodies(const Core& core, const CoupledParticles& of, double dt
   if (core.steps == 0 || !(dt > 4 * core.exchange)) return;
   for (std::size_t b = 0; b < core.resolved.size(); ++b) {
     const std::size_t p = core.resolved[b];
-    const double longest = sph_exchange_of(core, of, p);
+    const double longest = sph_exchange_of(core, of.shape.radius[p], of.mass[p]);
     if (dt > 4 * longest)
       throw Error(sentence(
           "particle ", core.body_ids[b], " at ", of.shape.position[p], " m with ", of.mass[p],

@@ -111,6 +111,11 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
                                      core().longest_hold().first});
     return std::max(1, static_cast<int>(longest / pace.step));
   }
+  /// [s] Longest step of the particles for which the loads on a body of this radius [m] and mass
+  /// [kg] may be constant.
+  double longest_particle_step(double radius, double mass) const {
+    return core().resolves(radius) ? detail::sph_exchange_of(core(), radius, mass) : INFINITY;
+  }
   /// Advances the liquid by dt [s] with bodies in it, in as many steps as needed; returns the mean
   /// loads on them [N], [N m].
   void advance(const CoupledParticles& of, double dt, std::span<Vec3d> force, const Team& team,

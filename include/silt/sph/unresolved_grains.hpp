@@ -111,15 +111,17 @@ class AveragedGrains {
   CoupledStep last;
   FluidClosure closure;
 
+  bool is_small(double radius, const SphSetup& setup) const {
+    return radius < settings.resolved_from * setup.spacing;
+  }
   /// Moves the particles of `among` that are too small to be resolved to this object; false if
   /// their number has changed.
   bool pick_small(const CoupledParticles& of, const SphSetup& setup, DynArray<std::size_t>& among) {
     const std::size_t before = number.size();
     number.clear();
-    const double least = settings.resolved_from * setup.spacing;
-    const auto is_small = [&](std::size_t p) { return of.shape.radius[p] < least; };
-    std::copy_if(among.begin(), among.end(), std::back_inserter(number), is_small);
-    erase_if(among, is_small);
+    const auto picked = [&](std::size_t p) { return is_small(of.shape.radius[p], setup); };
+    std::copy_if(among.begin(), among.end(), std::back_inserter(number), picked);
+    erase_if(among, picked);
     const auto pick = [&](const auto& all, auto& mine) {
       mine.clear();
       if (!all.empty())
