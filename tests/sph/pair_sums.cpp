@@ -131,14 +131,14 @@ void compare(int dimensions, const Viscosity& viscosity, const Diffusion& diffus
   if constexpr (Pairs::mixed) pairs.shorten(c.rows, c.volume, c.brief);
   for (std::size_t p = 0; p < liquid; ++p)
     pairs.of_liquid(p, c.rows, c.volume, box.packed.lists, c.rates, c.growth, c.brief,
-                    box.sticking);
+                    {box.sticking});
   double worst = 0, largest = 0, worst_rate = 0, largest_rate = 0, worst_growth = 0;
   std::vector<detail::SphGrowth> alone(Pairs::W);
   for (std::size_t a = 0; a < liquid * Pairs::W; a += 13) {
     if (!box.packed.is_there(a)) continue;
     const auto [want, growth] = plain<Kernel>(box, a, viscosity, diffusion, g);
     pairs.growth_of_liquid(a / Pairs::W, c.rows, c.volume, box.packed.lists, alone, c.brief,
-                           box.sticking);
+                           {box.sticking});
     for (const detail::SphGrowth& one : {c.growth[a], alone[a % Pairs::W]})
       worst_growth = std::max({worst_growth, std::abs(growth.density - one.density),
                                std::abs(growth.parting - one.parting)});

@@ -31,8 +31,8 @@ inline void append(std::string& out, double value) {
       std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, 6).ptr);
 }
 
-/// Appends the shortest form that reads back exactly, or six digits of a number that needs more than
-/// nine: such numbers are computed. One that six digits only just miss keeps all of them:
+/// Appends the shortest form that reads back exactly, or six digits of a number that needs more
+/// than nine: such numbers are computed. One that six digits only just miss keeps all of them:
 /// 0.30000000000000004 must not be reported as 0.3.
 [[gnu::cold]] inline void append_readable(std::string& out, double value) {
   char exact[32], six[32];
@@ -120,7 +120,7 @@ class Part {
 };
 
 [[gnu::cold]] inline std::string join(std::initializer_list<Part> parts,
-                                       Digits digits = Digits::All) {
+                                      Digits digits = Digits::All) {
   std::string out;
   for (const auto& part : parts) part.append_to(out, digits);
   return out;

@@ -27,6 +27,8 @@ struct SphColumns {
   // [m/s] For no-slip walls and bodies, else empty: the part of a row's velocity that enters only
   // friction (SphPairs).
   AlignedVector<Vec3d> sticking;
+  DynArray<char>
+      holds;  // of mirrored walls and bodies: 1 where they may pull the liquid (SolidHold)
   AlignedVector<SphRates> rates;
   // Of the last sums; with LeapfrogTime between steps those at the end of the step, with diffusion.
   AlignedVector<SphGrowth> growth;
@@ -44,6 +46,7 @@ struct SphColumns {
   bool is_of_opening(std::size_t k) const {
     return label[k] >= of_openings && label[k] != ClusterLists::none;
   }
+  SphOfSolids of_solids() const { return {sticking, holds}; }
   void add(const SphRow& row, int of_kind, std::uint32_t number) {
     rows.push_back(row), start.push_back(row);
     kind.push_back(static_cast<char>(of_kind)), label.push_back(number);
@@ -68,7 +71,7 @@ struct SphColumns {
   double voidage_of(std::size_t k) const { return voidage.empty() ? 1 : voidage[k]; }
   std::size_t bytes() const {
     return (rows.capacity() + start.capacity() + spare_.rows.capacity()) * sizeof(SphRow) +
-           2 * kind.capacity() + 2 * label.capacity() * sizeof(std::uint32_t) +
+           2 * kind.capacity() + holds.capacity() + 2 * label.capacity() * sizeof(std::uint32_t) +
            (volume.capacity() + 4 * voidage.capacity()) * sizeof(double) +
            (growth.capacity() + spare_.growth.capacity()) * sizeof(SphGrowth) +
            images.capacity() * sizeof(SphImage) + (sticking.capacity() * sizeof(Vec3d)) +

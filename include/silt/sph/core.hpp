@@ -192,7 +192,8 @@ struct SphCore {
     for (const std::size_t p : resolved) body_ids.push_back(of.id.empty() ? p : of.id[p]);
     if (setup.dimensions == 2) refuse_off_plane(of), look_for_discs(of);
     gaps.find_bodies(body_ids);
-    if (solids.bodies.set(of, resolved, setup)) make_room_for_bodies();
+    if (solids.bodies.set(of, resolved, setup))
+      solids.holding.forget_from(solids.walls.size()), make_room_for_bodies();
     solids.walls.take_drives(time), on_walls.assign(solids.walls.walls(), {});
     exchange = sph_longest_exchange(*this, of);
     known = false;  // of the present positions, whatever was read in between
@@ -399,7 +400,7 @@ struct SphCore {
       for (std::size_t p = part * per; p < std::min(packs, (part + 1) * per); ++p) {
         m.pair =
             std::max(m.pair, pairs.of_liquid(p, columns.rows, columns.volume, lists, columns.rates,
-                                             columns.growth, columns.brief, columns.sticking));
+                                             columns.growth, columns.brief, columns.of_solids()));
         if constexpr (turbulent)
           sps().accelerate(p, W, columns.rows, columns.volume, columns.stress, lists, columns.rates,
                            true);
@@ -482,6 +483,8 @@ struct SphCore {
       SphStep(*this, dt, team).symplectic();
     else
       SphStep(*this, dt, team).verlet();
+    if constexpr (Walls::mirrored)
+      solids.holding.keep(solids, columns, lists, dt, sph_memory(setup, liquid), team);
     time += dt, now = time, ++steps, last_step = dt, known = false;
     if (!openings.empty() && openings.pass(columns, lists.first_pack(Lists::Wall) * Pairs::W,
                                            particle_mass(), next_number, team))

@@ -226,7 +226,7 @@ SphPowers sph_powers(Core& core, const Team& team) {
     if (!core.solids.has_row(k)) continue;
     const std::size_t row = core.solids.wall_row[k];
     surfaces[row - first] = {core.solids.own_velocity(k), sph_sticking(core, row),
-                             core.solids.is_wall(k) ? 0.0 : 1.0};
+                             core.solids.is_wall(k) ? 0.0 : 1.0, of.of_solids().may_pull(row)};
   }
   const Sums sums(core.constants(), core.viscosity, core.diffusion);
   DynArray<SphPowers> parts((packs + per - 1) / per);

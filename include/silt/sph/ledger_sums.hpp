@@ -43,7 +43,7 @@ struct SphPowers {
 ///   work        f.u
 ///   viscosity   f.(v_a - u)
 ///   mirrored    pressure's f.(v_a - u) + V_a P_a V_b (v_a - v_b).grad W, v_b without `sticking`,
-///               and of a parting pair the share `parted` that acted
+///               and of a parting pair the share `parted` that acted, all where a solid holds
 ///
 /// The last one is 0 if v_b - u = u - v_a across the surface and P_b = P_a.
 template <class Kernel, class Viscosity, class Diffusion, class Arch = DefaultArch>
@@ -56,6 +56,7 @@ class SphPowerSums {
     Vec3d velocity{0, 0, 0};  // [m/s] u
     Vec3d sticking{0, 0, 0};  // [m/s] part of v_b that the density does not use
     double of_body = 0;       // 1: a body's, 0: a wall's
+    bool holds = false;       // may pull the liquid
   };
 
   SphPowerSums(const SphConstants& c, const Viscosity& viscosity, const Diffusion& diffusion)
@@ -155,11 +156,14 @@ class SphPowerSums {
         const Real wx = v.x - Real(u.x), wy = v.y - Real(u.y), wz = v.z - Real(u.z);
         const Real d_w = dx * wx + dy * wy + dz * wz;
         const Real d_u = dx * Real(u.x) + dy * Real(u.y) + dz * Real(u.z);
-        const Real both = P + Real(b.pressure), push = -max(both, Real(0)) * Vf;
+        const Real both = P + Real(b.pressure),
+                   push = -(of_b.holds ? both : max(both, Real(0))) * Vf;
         const Vec3d& stuck = of_b.sticking;
         const Real slipping = along + dx * Real(stuck.x) + dy * Real(stuck.y) + dz * Real(stuck.z);
         const Real mirrored =
-            push * d_w + P * Vf * (min(slipping, Real(0)) + share * max(slipping, Real(0)));
+            push * d_w +
+            P * Vf *
+                (min(slipping, Real(0)) + (of_b.holds ? Real(1) : share) * max(slipping, Real(0)));
         Real work = push * d_u;
         if constexpr (Viscosity::artificial) {
           s.artificial = multiply_add(artificial, d_w, s.artificial);

@@ -55,11 +55,12 @@ constexpr std::size_t sph_width() {
 ///   d rho_a/dt = rho_a sum V_b v_ab.grad W + D_a
 ///   d v_a/dt   = -sum m_b (P_a + P_b)/(rho_a rho_b) grad W + viscosity
 ///
-/// Walls and bodies only push: next to them P_a + P_b is at least 0. Otherwise a thin film would be
-/// drawn to a wall, as its density is inaccurate. Where tension is omitted, the decrease of density
-/// by separation from the wall is omitted too: it is summed apart (SphGrowth::parting), and lowers
-/// a density at most to rho_0 (sph_parting). Otherwise liquid would store the energy of a tension
-/// without work, and thin films became unstable.
+/// Walls and bodies only push, but for those that hold liquid for a while (SolidHold): next to the
+/// others P_a + P_b is at least 0. Otherwise a thin film would be drawn to a wall, as its density
+/// is inaccurate. Where tension is omitted, the decrease of density by separation from the wall is
+/// omitted too: it is summed apart (SphGrowth::parting), and lowers a density at most to rho_0
+/// (sph_parting). Otherwise liquid would store the energy of a tension without work, and thin films
+/// became unstable.
 ///
 /// The density uses a slip velocity at no-slip walls: v_b without `sticking`, the part that only
 /// viscosities use. With mirrored no-slip velocities the components along and normal to the wall
@@ -143,12 +144,11 @@ class SphPairs {
   /// Computes the rates of a pack; returns the largest |h v.r/(r^2 + (0.1 h)^2)| [m/s].
   double of_liquid(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
                    const ClusterLists& lists, std::span<SphRates> out, std::span<SphGrowth> growth,
-                   std::span<const SphBrief> brief = {},
-                   std::span<const Vec3d> sticking = {}) const {
+                   std::span<const SphBrief> brief = {}, const SphOfSolids& solids = {}) const {
     const Own own = own_of(pack, rows, brief);
     Totals totals;
     add<true>(own, rows, volume, brief, {}, lists, lists.liquid(pack), totals);
-    add<false>(own, rows, volume, brief, sticking, lists, lists.walls(pack), totals);
+    add<false>(own, rows, volume, brief, solids, lists, lists.walls(pack), totals);
     put_growth(rows.data() + pack * W, totals, growth.data() + pack * W);
     return put(rows.data() + pack * W, totals, out.data() + pack * W);
   }
@@ -156,11 +156,11 @@ class SphPairs {
   void growth_of_liquid(std::size_t pack, std::span<const SphRow> rows,
                         std::span<const double> volume, const ClusterLists& lists,
                         std::span<SphGrowth> out, std::span<const SphBrief> brief = {},
-                        std::span<const Vec3d> sticking = {}) const {
+                        const SphOfSolids& solids = {}) const {
     const Own own = own_of(pack, rows, brief);
     Totals totals;
     add<true, true>(own, rows, volume, brief, {}, lists, lists.liquid(pack), totals);
-    add<false, true>(own, rows, volume, brief, sticking, lists, lists.walls(pack), totals);
+    add<false, true>(own, rows, volume, brief, solids, lists, lists.walls(pack), totals);
     put_growth(rows.data() + pack * W, totals, out.data());
   }
   void growth_of_wall(std::size_t pack, std::span<const SphRow> rows,
@@ -174,8 +174,11 @@ class SphPairs {
   /// The same for particles of walls, which interact only with the liquid.
   double of_wall(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
                  const ClusterLists& lists, std::span<SphRates> out, std::span<SphGrowth> growth,
-                 std::span<const SphBrief> brief = {}) const {
-    const Own own = own_of(pack, rows, brief);
+                 std::span<const SphBrief> brief = {}, const SphOfSolids& solids = {}) const {
+    Own own = own_of(pack, rows, brief);
+    alignas(64) Scalar least[W];
+    for (std::size_t l = 0; l < W; ++l) least[l] = least_sum(solids.may_pull(pack * W + l));
+    own.least = load<Real>(least);
     Totals totals;
     add<false>(own, rows, volume, brief, {}, lists, lists.liquid(pack), totals);
     put_growth(rows.data() + pack * W, totals, growth.data() + pack * W);
@@ -238,6 +241,7 @@ class SphPairs {
     Vec3<Place> x;
     Vec3<Real> v;
     Real density, twice, pressure, damping, drag;  // twice: with the other's density, their sum
+    Real least = Real(0);                          // of P_a + P_b at walls
   };
   Own own_of(std::size_t pack, std::span<const SphRow> rows,
              std::span<const SphBrief> brief) const {
@@ -310,24 +314,23 @@ class SphPairs {
 
   template <bool liquid, bool growth = false>
   SILT_INLINE void add(const Own& a, std::span<const SphRow> rows, std::span<const double> volume,
-                       std::span<const SphBrief> brief, std::span<const Vec3d> sticking,
+                       std::span<const SphBrief> brief, const SphOfSolids& solids,
                        const ClusterLists& lists, std::span<const ClusterLists::Entry> entries,
                        Totals& totals) const {
     if constexpr (mixed) {
       for (std::size_t k = 0; k < entries.size(); k += chunk)
         add_some<liquid, growth>(
-            a, brief, sticking, lists, entries.subspan(k, std::min(chunk, entries.size() - k)),
+            a, brief, solids, lists, entries.subspan(k, std::min(chunk, entries.size() - k)),
             [&](std::size_t row) { return brief[row].volume; }, totals);
     } else if (!entries.empty()) {
       add_some<liquid, growth>(
-          a, rows, sticking, lists, entries, [&](std::size_t row) { return volume[row]; }, totals);
+          a, rows, solids, lists, entries, [&](std::size_t row) { return volume[row]; }, totals);
     }
   }
   template <bool liquid, bool growth, class Other, class Volume>
-  SILT_INLINE void add_some(const Own& a, std::span<const Other> others,
-                            std::span<const Vec3d> sticking, const ClusterLists& lists,
-                            std::span<const ClusterLists::Entry> entries, const Volume& volume,
-                            Totals& totals) const {
+  SILT_INLINE void add_some(const Own& a, std::span<const Other> others, const SphOfSolids& solids,
+                            const ClusterLists& lists, std::span<const ClusterLists::Entry> entries,
+                            const Volume& volume, Totals& totals) const {
     Sums part;
     Other moved[2];
     const Other* b = placed(others, lists, entries[0], moved[0]);
@@ -339,17 +342,18 @@ class SphPairs {
       b = placed(others, lists, entries[std::min(k + 1, n - 1)], moved[(k + 1) % 2]);
       find_way(a, *b, next);
       const std::size_t row = entries[k].row();
-      Vec3<Scalar> stuck{0, 0, 0};
+      Surface with;
       if constexpr (!liquid) {
-        if (!sticking.empty()) {
-          const Vec3d v = (1 / speed_) * sticking[row];
-          stuck = {Scalar(v.x), Scalar(v.y), Scalar(v.z)};
+        if (!solids.sticking.empty()) {
+          const Vec3d v = (1 / speed_) * solids.sticking[row];
+          with.stuck = {Scalar(v.x), Scalar(v.y), Scalar(v.z)};
         }
+        with.holds = solids.may_pull(row);
       }
       if constexpr (growth)
-        spread_of<liquid>(a, now, *one, volume(row), stuck, part);
+        spread_of<liquid>(a, now, *one, volume(row), with, part);
       else
-        pair<liquid>(a, now, *one, volume(row), stuck, part);
+        pair<liquid>(a, now, *one, volume(row), with, part);
     }
     if constexpr (growth)
       totals.add_growth(part);
@@ -373,6 +377,12 @@ class SphPairs {
     moved.x += whole(way.x), moved.y += whole(way.y), moved.z += whole(way.z);
     return &moved;
   }
+  struct Surface {
+    Vec3<Scalar> stuck{0, 0, 0};
+    bool holds = false;
+  };
+  /// Least P_a + P_b at a solid that holds liquid, or not.
+  static constexpr Scalar least_sum(bool holds) { return holds ? Scalar(-1e30) : Scalar(0); }
   /// From one particle to those of a pack; grad W = slope_ f r.
   struct Way {
     Real x, y, z, square, f;
@@ -389,26 +399,27 @@ class SphPairs {
   /// Adds V f v.r of a pair.
   template <bool liquid, class Other>
   SILT_INLINE void spread_of(const Own& a, const Way& way, const Other& b, const Scalar& volume,
-                             const Vec3<Scalar>& stuck, Sums& sum) const {
+                             const Surface& with, Sums& sum) const {
     const Real ux = a.v.x - Real(b.vx), uy = a.v.y - Real(b.vy), uz = a.v.z - Real(b.vz);
     const Real along = ux * way.x + uy * way.y + uz * way.z;
-    add_spread<liquid>(way, Real(volume) * way.f, along, stuck, sum);
+    add_spread<liquid>(way, Real(volume) * way.f, along, with, sum);
   }
   template <bool liquid>
   static SILT_INLINE void add_spread(const Way& way, const Real& Vf, const Real& along,
-                                     [[maybe_unused]] const Vec3<Scalar>& stuck, Sums& sum) {
+                                     [[maybe_unused]] const Surface& with, Sums& sum) {
     if constexpr (liquid) {
       sum.spread = multiply_add(Vf, along, sum.spread);
     } else {
-      const Real slip =
-          along + way.x * Real(stuck.x) + way.y * Real(stuck.y) + way.z * Real(stuck.z);
-      sum.spread = multiply_add(Vf, min(slip, Real(0)), sum.spread);
-      sum.parting = multiply_add(Vf, max(slip, Real(0)), sum.parting);
+      const Real slip = along + way.x * Real(with.stuck.x) + way.y * Real(with.stuck.y) +
+                        way.z * Real(with.stuck.z);
+      const Real apart = Real(with.holds ? Scalar(0) : Scalar(1)) * max(slip, Real(0));
+      sum.spread = multiply_add(Vf, slip - apart, sum.spread);
+      sum.parting = multiply_add(Vf, apart, sum.parting);
     }
   }
   template <bool liquid, class Other>
   SILT_INLINE void pair(const Own& a, const Way& way, const Other& b, const Scalar& volume,
-                        [[maybe_unused]] const Vec3<Scalar>& stuck, Sums& sum) const {
+                        [[maybe_unused]] const Surface& with, Sums& sum) const {
     const auto& [dx, dy, dz, r2, f] = way;
     const Real Vf = Real(volume) * f;
     // m f/m: a solid particle may have less than a particle's volume.
@@ -420,8 +431,8 @@ class SphPairs {
     const Real wide = r2 + Real(small_), both_rho = a.twice + Real(b.density);
     const Real over = Real(1) / (wide * both_rho);
     Real both = a.pressure + Real(b.pressure);
-    add_spread<liquid>(way, Vf, along, stuck, sum);
-    if constexpr (!liquid) both = max(both, Real(0));
+    add_spread<liquid>(way, Vf, along, with, sum);
+    if constexpr (!liquid) both = max(both, min(a.least, Real(least_sum(with.holds))));
     // Acceleration over -slope_/rho_a
     Real k = both * Vf;
     const Real approach = along * over;

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include <silt/core/target.hpp>
 #include <silt/core/vec3.hpp>
@@ -34,6 +35,13 @@ static_assert(sizeof(SphRow) == 64);
 struct SphGrowth {
   double density = 0;  // by the liquid around, and by walls and bodies that come nearer
   double parting = 0;  // by walls and bodies from which the particle parts, at most 0
+};
+
+/// What rows of walls and bodies have beside SphRow; empty: none of them has it.
+struct SphOfSolids {
+  std::span<const Vec3d> sticking{};  // [m/s] part of the velocity that only viscosities use
+  std::span<const char> holds{};      // 1: may pull the liquid
+  bool may_pull(std::size_t row) const { return !holds.empty() && holds[row] != 0; }
 };
 
 /// What a mirror image keeps of the liquid it sees, for velocities at the end of a step.

@@ -124,6 +124,7 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
   const Slip slip = core.slip();
   const std::size_t first = core.lists.first_pack(Lists::Probe) * W;
   if (slip == Slip::None) columns.sticking.resize(columns.size(), Vec3d{0, 0, 0});
+  columns.holds.resize(columns.size());
   if constexpr (Core::Time::leaps) make_room(columns.images, columns.size() - first);
   sph_for_images(core, slip == Slip::None, team, [&](std::size_t p, const auto& walls) {
     std::array<typename Pairs::Seen, W / Pairs::seen_width> seen{};
@@ -147,6 +148,7 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
       sph_move_wall(core, at, row, images.velocity(l), images.way(l), image, slip);
       if constexpr (Core::Time::leaps) columns.images[row - first] = image;
       columns.volume[at] = solids.of_row(row).share * core.particle_mass() / wall.density;
+      columns.holds[at] = solids.holding.holds(columns.label[row]) ? 1 : 0;
     }
   });
 }
@@ -186,7 +188,8 @@ void sph_solid_rates(Core& core, const Team& team, const IsAsked& is_asked) {
   team.for_ranges(n, Lists::packs_a_range, [&](std::size_t, std::size_t from, std::size_t to) {
     for (std::size_t p = first + from; p < first + to; ++p) {
       if (!is_asked(p)) continue;
-      pairs.of_wall(p, of.rows, of.volume, core.lists, of.rates, of.growth, of.brief);
+      pairs.of_wall(p, of.rows, of.volume, core.lists, of.rates, of.growth, of.brief,
+                    of.of_solids());
       if constexpr (Core::turbulent)
         core.sps().accelerate(p, Core::Pairs::W, of.rows, of.volume, of.stress, core.lists,
                               of.rates, false);

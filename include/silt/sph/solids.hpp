@@ -13,6 +13,7 @@
 #include <silt/sph/cluster_lists.hpp>
 #include <silt/sph/columns.hpp>
 #include <silt/sph/solid_frames.hpp>
+#include <silt/sph/solid_hold.hpp>
 #include <silt/sph/thin_walls.hpp>
 #include <silt/sph/wall_particles.hpp>
 
@@ -26,6 +27,7 @@ class SphSolids {
   WallParticles walls;
   ThinWalls thin;
   BodyPoints bodies;
+  SolidHold holding;  // of their particles
   DynArray<std::uint32_t> wall_row, probe_row;
   std::optional<double> plane;  // [m] y of a liquid in 2D, exact for all particles
 

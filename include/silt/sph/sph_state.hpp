@@ -63,7 +63,8 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   DynArray<double> openings_of = c.openings.state();
   if (!c.openings.empty()) visit("fluid.openings", openings_of);
   DynArray<double> gap_sums = c.gaps.state(bodies);
-  visit("fluid.gaps", gap_sums);
+  DynArray<double> pushes = c.solids.holding.state();
+  visit("fluid.gaps", gap_sums), visit("fluid.pushes", pushes);
   visit("fluid.walls", solid), visit("fluid.poses", poses);
   visit("fluid.bodies", kinds), visit("fluid.points", points),
       visit("fluid.numbers", std::span<double>(numbers));
@@ -131,6 +132,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   c.exchange = numbers[9] > 0 ? numbers[9] : INFINITY;  // 0: no free body
   bodies.restore(kinds, points), c.gaps.restore(gap_sums, bodies);
   if (c.made) c.solids.walls.restore(solid, poses);
+  c.solids.holding.restore(pushes);
   // Packs of another processor are sorted anew.
   if (numbers[12] != static_cast<double>(c.lists.width)) c.stale = true;
   if (!c.stale) sph_restore_lists(c, then, slacks);
