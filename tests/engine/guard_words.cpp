@@ -201,6 +201,23 @@ TEST_CASE("guard: in a mix, two bodies that overlap are named by their numbers")
     }
 }
 
+// Catches: "let fill() place them", said of spheres that fill() has placed in a region larger than
+// the box.
+TEST_CASE("guard: what a periodic box has moved onto others is told so") {
+  silt::Particles<Sphere> p;
+  p.add({.position = {0.002, 0.01, 0.01}, .radius = 1e-3, .density = 2500});
+  p.add({.position = {0.0132, 0.01, 0.01}, .radius = 1e-3, .density = 2500});
+  silt::Simulation sim{std::move(p), contacts,
+                       silt::PeriodicBox{{{0, 0, 0}, {0.01, 0.02, 0.02}}, {true, false, false}}};
+  sim.gravity = {0, 0, -9.81};
+  const auto error = failure(sim, 0.01);
+  CHECK(has_words(error.what(), {"particles 0 and 1",
+                                 "1 particle was placed outside the periodic "
+                                 "box",
+                                 "place all of them inside"}));
+  CHECK(lacks(error.what(), {"let fill() place them"}));
+}
+
 TEST_CASE("guard: a servo that presses with more than grains bear is named with its force") {
   auto sim = scene({{0, 0, 1e-3}});
   sim.gravity = {0, 0, -9.81};

@@ -73,6 +73,22 @@ TEST_CASE("wall heat: conditions by name are those by number, bit for bit") {
   CHECK(temperature(one, 0) == near(293.15 + 1e-3 / capacity).epsilon(1e-12));
 }
 
+// Catches a grain that is cooled below 0 K without a word.
+TEST_CASE("wall heat: a wall that takes more heat than there is ends the run") {
+  auto sim = row(1, {{"right", silt::heated_by(-1)}});
+  std::string words;
+  try {
+    sim.run(1e3);
+  } catch (const silt::SimulationError& error) {
+    words = error.what();
+    CHECK(error.particles.size() == 1);
+  }
+  CHECK(sim.time() == near(293.15 * capacity).epsilon(1e-3));  // 1 W
+  for (const char* part :
+       {"particle 0 at (", " m got temperature [K] = -", "above 0 K", "heated_by"})
+    CHECK(words.find(part) != std::string::npos);
+}
+
 // Catches a change that waits until fluxes are asked for by themselves, and a former condition that
 // goes on.
 TEST_CASE("wall heat: a condition that is changed acts in the next step") {

@@ -1,12 +1,16 @@
 // silt - BSD-3-Clause, see LICENSE
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <map>
 #include <numbers>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <silt/sph.hpp>
 
@@ -85,16 +89,94 @@ TEST_CASE("sph: two blocks that collide keep the energy of incompressible blocks
   CHECK(off < water.size() / 100);  // rounding to 1e-7 m separates some
 }
 
-// Walls only push: a block keeps more, as they do not hold the sound that returns from its
-// surfaces (docs/sph_method.md, A block that hits a wall). Catches: a wall that throws it back,
-// and that takes up energy.
-TEST_CASE("sph: a block that hits a wall keeps up to 8 % more, and loses no momentum along it") {
+/// [-] Momentum over that before, of the block with x < 0, at 0.02, 0.04 ... 0.1 s.
+template <class Water>
+std::array<double, 5> momenta(Water& water) {
+  std::array<double, 5> all{};
+  for (double& p : all) {
+    water.run(0.02);
+    double sum = 0, number = 0;
+    water.for_each([&](std::uint32_t, const Vec3d& x, const Vec3d& v, double, double) {
+      if (x.x < 0) sum += v.x, ++number;
+    });
+    p = sum / number / U;
+  }
+  return all;
+}
+
+// Catches: a wall that only pushes. The sound of the blow comes back as tension, without which the
+// momentum stays at 0.55, and the impulse of the first 0.1 s is twice that between two blocks.
+TEST_CASE("sph: a block that hits a wall has the momentum of one that meets another") {
+  auto two = blocks(0.025, false), one = blocks(0.025, true);
+  const auto pair = momenta(two), at_wall = momenta(one);
+  CHECK(pair[1] < 0.6);  // the blow
+  CHECK(pair[4] > 0.7);  // and its tension
+  for (std::size_t k = 0; k < pair.size(); ++k) CHECK(std::abs(at_wall[k] - pair[k]) < 0.02);
+}
+
+// Catches: a wall that goes on holding a liquid that should fall, and one that forgets what it held
+// when a state is saved.
+TEST_CASE("sph: liquid under a lid falls, after about the time of sound through the region") {
+  constexpr double g = 9.81, c = 30;
+  SphSetup tank{.spacing = 0.01, .region = {{0, 0, 0}, {0.4, 0, 0.6}}, .dimensions = 2};
+  tank.gravity = {0, 0, -g};
+  Sph water{Liquid{.density = 1000, .sound_speed = c}, tank};
+  for (const auto& [at, n] :
+       {std::pair{Vec3d{0, 0, 0}, Vec3d{0, 0, 1}}, std::pair{Vec3d{0, 0, 0}, Vec3d{1, 0, 0}},
+        std::pair{Vec3d{0.4, 0, 0}, Vec3d{-1, 0, 0}}})
+    water.add_wall(Plane{at, n});
+  water.fill([](const Vec3d& x) { return x.z < 0.1; });
+  const auto height = [&] {
+    double sum = 0;
+    water.for_each(
+        [&](std::uint32_t, const Vec3d& x, const Vec3d&, double, double) { sum += x.z; });
+    return sum / static_cast<double>(water.size());
+  };
+  water.run(0.5);
+  const double before = height(), t = 0.15, T = 0.6 / c;
+  water.gravity = {0, 0, g};  // the floor is a lid now
+  water.run(t);
+  const double fell = height() - before;
+  CHECK(fell < 0.5 * g * t * t);
+  // Particles behind the surface have the pressure at their depth, and were pushed more: 1.2 T.
+  CHECK(fell > 0.5 * g * (t - 1.3 * T) * (t - 1.3 * T));
+}
+
+TEST_CASE("sph: what walls have been pushed is part of a state") {
+  std::map<std::string, std::vector<double>> state;
+  auto water = blocks(0.05, true);
+  water.run(0.06);
+  water.for_each_state([&](const std::string& name, const auto& values) {
+    state[name] = {values.begin(), values.end()};
+  });
+  water.run(0.04);
+  const auto go_on = [&](bool pushes) {
+    auto other = blocks(0.05, true);
+    other.for_each_state([&](const std::string& name, auto&& values) {
+      auto& from = state.at(name);
+      if constexpr (requires { values.resize(0); }) {
+        values.resize(pushes || name != "fluid.pushes" ? from.size() : 0);
+        std::copy_n(from.begin(), values.size(), values.begin());
+      } else {
+        std::copy(from.begin(), from.end(), values.begin());
+      }
+    });
+    other.run(0.04);
+    return other.momentum().x;
+  };
+  CHECK(go_on(true) == water.momentum().x);
+  CHECK(go_on(false) < 0.95 * water.momentum().x);
+}
+
+// Catches: a wall that throws the block back, and that takes up energy.
+TEST_CASE("sph: a block that hits a wall keeps up to 7 % more, and loses no momentum along it") {
   auto water = blocks(0.025, true);
   const double share = share_left(water);
   CHECK(share > kept(L, H));
-  CHECK(share < 1.08 * kept(L, H));
+  CHECK(share < 1.07 * kept(L, H));
   CHECK(water.momentum().x > 0);
-  CHECK(std::abs(water.momentum().z) < 1e-12 * water.mass() * U);
+  // Rounding decides in which step a particle ends its pull, and so breaks the symmetry.
+  CHECK(std::abs(water.momentum().z) < 1e-6 * water.mass() * U);
 }
 
 }  // namespace sph_collision_test

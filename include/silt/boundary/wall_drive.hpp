@@ -193,6 +193,26 @@ inline WallState released(const WallDrive& drive, const Pose& pose, double time)
   return s;
 }
 
+/// A servo that gets another load, speed or gain along the same direction, or about the same axis,
+/// goes on: returns true, with its state for the new drive. Its end stops are still those about its
+/// start; u is kept, as the bed is the same.
+inline bool goes_on(const WallDrive& now, const WallDrive& next, WallState& state) {
+  const auto same = [](const Vec3d& a, const Vec3d& b) {
+    return norm(normalised(a) - normalised(b)) < 1e-12;
+  };
+  const auto keeps = [&state](double before, double after, double most) {
+    if (std::abs(state.way) > most) return false;
+    if (!(std::abs(after) <= 1.1 * std::abs(before)) || after * before < 0) state.has_landed = 0;
+    return true;
+  };
+  if (const auto* a = std::get_if<ServoForce>(&now), *b = std::get_if<ServoForce>(&next); a && b)
+    return same(a->direction, b->direction) && keeps(a->force, b->force, b->max_travel);
+  if (const auto* a = std::get_if<ServoTorque>(&now), *b = std::get_if<ServoTorque>(&next); a && b)
+    return same(a->axis, b->axis) && a->centre == b->centre &&
+           keeps(a->torque, b->torque, b->max_turn);
+  return false;
+}
+
 /// 1/mass [1/kg] that resists a force along `normal` at `point` [m]; 0 for walls without a mass.
 inline double inverse_mass_of(const WallDrive& drive, const WallState& s, const Vec3d& point,
                               const Vec3d& normal) {

@@ -65,13 +65,14 @@ class Engine : public Tables<Composition> {
   [[no_unique_address]] RankStage<typename Composition::Ranks> ranks;
   Lists lists;
   CoefficientTable<ContactsType> coefficients;
-  double largest_speed = 0;      // [m/s] of particle surfaces: Pace
-  double largest_share = 0;      // [1/s] largest ratio of speed to inner reach
-  double largest_overlap = 0;    // [-] relative to the smaller radius, in the last step
-  bool finite = true;            // all velocities were finite after the last kick
-  bool share_contacts = true;    // parts of one body share contact stiffness: SharedContacts
-  ContactRecord record;          // of the last step, if it was requested
-  std::uint64_t safeguards = 0;  // [-] contacts ended by a law's safeguard since the start
+  double largest_speed = 0;           // [m/s] of particle surfaces: Pace
+  double largest_share = 0;           // [1/s] largest ratio of speed to inner reach
+  double largest_overlap = 0;         // [-] relative to the smaller radius, in the last step
+  std::size_t came_from_outside = 0;  // [-] particles placed outside of a periodic box
+  bool finite = true;                 // all velocities were finite after the last kick
+  bool share_contacts = true;         // parts of one body share contact stiffness: SharedContacts
+  ContactRecord record;               // of the last step, if it was requested
+  std::uint64_t safeguards = 0;       // [-] contacts ended by a law's safeguard since the start
   [[no_unique_address]] VirialOf<ContactsType> virial;  // of the last step
   EnergyOf<ContactsType, double> contact_energy = start_energy<ContactsType, double>();
   static constexpr bool has_events = keeps_events<ContactsType>;

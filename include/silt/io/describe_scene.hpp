@@ -59,7 +59,7 @@ inline void describe(const Describer& is, const Box& box) {
 
 inline const char* words_of(Side side) { return side == Side::Inside ? "inside" : "outside"; }
 inline void describe(const Describer& is, const Plane& plane) {
-  is("is", "a plane"), is("point", plane.point), is("normal", plane.normal);
+  is("is", "a plane"), is("point", plane.point), is("normal", plane.normal, "-");
 }
 inline void describe(const Describer& is, const Cylinder& c) {
   is("is", "a cylinder"), is("from", c.from), is("to", c.to), is("radius [m]", c.radius);
@@ -143,8 +143,9 @@ void describe_inlet(const Describer& is, const Inlet& inlet, const Sim& sim) {
   };
   is("region", inlet.region), is("density [kg/m3]", flow.density), is("rate [1/s]", flow.rate);
   is("least radius [m]", flow.radius.min()), is("largest radius [m]", flow.radius.max());
-  is("mean volume [m3]", flow.radius.mean_volume()), is("velocity", flow.velocity);
-  is("angular velocity", flow.angular_velocity), is("scatter of velocity", flow.scatter);
+  is("mean volume [m3]", flow.radius.mean_volume()), is("velocity", flow.velocity, "m/s");
+  is("angular velocity", flow.angular_velocity, "rad/s"),
+      is("scatter of velocity", flow.scatter, "m/s");
   is("total", flow.total), material("material", flow.material), form("form", flow.form);
   is("seed", text(flow.seed)), is("trials", flow.trials), is("interval [s]", flow.interval);
   for (std::size_t k = 1; k < flow.kinds(); ++k) {

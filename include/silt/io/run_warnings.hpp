@@ -36,15 +36,20 @@ template <class Sim>
            own.with_wall ? 1.0 : 0.0};
   sim.sum_over_ranks(std::span<double>(who));
   const auto number = [&](std::size_t k) { return static_cast<std::size_t>(who[k]); };
-  return {text(static_cast<std::size_t>(n), n > 1 ? " contacts overlap" : " contact overlaps",
-               " by more than ", detail::about(100 * WarningLimits::start_overlap),
-               " % of the smaller radius at the start, at most by ", detail::about(100 * most),
-               " % (",
-               who[3] > 0 ? text("particle ", number(0), " and ", sim.wall_name(number(2)))
-                          : text("particles ", std::min(number(0), number(1)), " and ",
-                                 std::max(number(0), number(1))),
-               "); they will be pushed apart; place them without overlaps, as fill() does, or take "
-               "the speed out of them before the run that counts")};
+  return {
+      text(static_cast<std::size_t>(n), n > 1 ? " contacts overlap" : " contact overlaps",
+           " by more than ", detail::about(100 * WarningLimits::start_overlap),
+           " % of the smaller radius at the start, at most by ", detail::about(100 * most), " % (",
+           who[3] > 0 ? text("particle ", number(0), " and ", sim.wall_name(number(2)))
+                      : text("particles ", std::min(number(0), number(1)), " and ",
+                             std::max(number(0), number(1))),
+           "); they will be pushed apart; ",
+           e.came_from_outside > 0
+               ? text(e.came_from_outside,
+                      " particles were outside the periodic box and were "
+                      "moved into it by whole periods, perhaps onto others; place them inside, ")
+               : "place them without overlaps, as fill() does, ",
+           "or take the speed out of them before the run that counts")};
 }
 
 namespace detail {

@@ -91,6 +91,8 @@ struct WallGiven {
 ///   double rate(const Seen&[, const Fields&]) const;     // [1/s] of the fastest oscillation or
 ///                                                        // decay due to the force: sqrt(k/m), c/m
 ///   void update(const Seen&, Fields&, double dt) const;  // once per step of dt [s]
+///   bool allows(const Fields&) const;                    // after an update: false ends the run
+///   static constexpr const char* allowed;                // with these words, what to change
 ///
 /// `force` is called in each step with the present position. As the force changes the velocity, the
 /// call is repeated until the velocity of that time is consistent: twice if the force does not

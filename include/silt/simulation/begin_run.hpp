@@ -43,6 +43,10 @@ void Simulation<Policies...>::check_start() {
           "particle could come out behind one unseen (guard.through_meshes = true lets them)");
     }
   this->check_inlets();
+  if constexpr (Domain::periodic && !has_ranks)
+    for (std::size_t k = 0; k < rows() && step_ == 0; ++k)
+      if (is_present(k) && norm(domain_.wrapped(position(k)) - position(k)) > 1e-6 * radius(k))
+        ++engine_.came_from_outside;
   if constexpr (detail::deforms<Domain>) {
     detail::refuse_tension<typename ContactsType::Law>(domain_.deformation());
     require(!engine_.particles.some_fixed,

@@ -107,11 +107,14 @@ class WallAccess {
     changed(k);
   }
   /// Lets the loads on the wall move it from now on, from its present pose; a prescribed Motion is
-  /// discarded. An empty drive stops the wall.
+  /// discarded. An empty drive stops the wall. A servo that gets another load, speed or gain goes
+  /// on with its integral, which may happen in every step.
   void set_drive(const WhichWall& which, WallDrive drive) {
     const std::size_t k = number(which);
     if (drive.index() == 0) return set_motion(k, {});
     check_drive(drive), check_fits(drive, all()[k].extent);
+    Wall& wall = all()[k];
+    if (goes_on(wall.drive, drive, wall.state)) return void(wall.drive = std::move(drive));
     release(k, std::move(drive));
     changed(k);
   }

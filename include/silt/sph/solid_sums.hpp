@@ -253,11 +253,11 @@ double sph_longest_exchange(const Core& core, const CoupledParticles& of) {
     longest = std::min(longest, sph_exchange_of(core, of.shape.radius[p], of.mass[p]));
   return longest;
 }
-/// From the second step on, which knows the bodies: steps of dt [s] beyond four times that limit,
-/// where the oscillation grows.
+/// Steps of dt [s] beyond four times that limit, where the oscillation grows; of bodies that were
+/// known when dt was chosen.
 template <class Core>
 void refuse_light_bodies(const Core& core, const CoupledParticles& of, double dt) {
-  if (core.steps == 0 || !(dt > 4 * core.exchange)) return;
+  if (!(dt > 4 * core.exchange)) return;
   for (std::size_t b = 0; b < core.resolved.size(); ++b) {
     const std::size_t p = core.resolved[b];
     const double longest = sph_exchange_of(core, of.shape.radius[p], of.mass[p]);

@@ -129,6 +129,11 @@ template <class EngineType, class Domain>
   Vec3d d = centre_of_owner(e, c.a, back) - centre_of_owner(e, c.b, back);
   if constexpr (Domain::periodic) d = domain.shortest(d);
   const double r = std::min(e.particles.position[c.a].r, e.particles.position[c.b].r);
+  if (e.came_from_outside > 0)
+    return sentence("; ", e.came_from_outside,
+                    e.came_from_outside > 1 ? " particles were" : " particle was",
+                    " placed outside the periodic box and moved into it by whole periods, perhaps "
+                    "onto others: place all of them inside, as by filling the box itself");
   if (norm(d) > near * r)
     return "; start without overlaps: move them apart, or let fill() place them";
   return "; their centres lie at nearly the same place, as of a particle that was added twice: "

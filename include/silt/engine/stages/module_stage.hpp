@@ -251,11 +251,11 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
     if constexpr (UpdatesByFlux<M>) {
       auto& own = columns.template of<M>()[k];
       get<M>().update(p, own, columns.template received_of<M>()[k], dt);
-      return all_finite<M>(own);
+      return all_finite<M>(own) && allows(own, get<M>());
     } else if constexpr (Updates<M>) {
       auto& own = columns.template of<M>()[k];
       get<M>().update(p, own, dt);
-      return all_finite<M>(own);
+      return all_finite<M>(own) && allows(own, get<M>());
     } else {
       return true;
     }
@@ -265,6 +265,16 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
     const auto* const numbers = reinterpret_cast<const double*>(&own);
     return std::all_of(numbers, numbers + numbers_of_fields<M>,
                        [](double x) { return std::isfinite(x); });
+  }
+  template <class M>
+  static const char* words_of() {
+    if constexpr (requires { std::string(M::allowed); }) return M::allowed;
+    return "its module does not allow that (allows(), silt/module/concept.hpp)";
+  }
+  template <class M>
+  static bool allows(const FieldsOf<M>& own, const M& module) {
+    if constexpr (requires { bool(module.allows(own)); }) return module.allows(own);
+    return true;
   }
   template <class M, class Sim>
   void check_one([[maybe_unused]] const Sim& sim) const {
@@ -390,6 +400,16 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
                                    FieldNames<M>::at(n / FieldNames<M>::components),
                                    "' of the module ", name_of_module<M>(), " became ", numbers[n],
                                    " for particle ", p.id, " at ", p.position, " m", mend),
+                              step, {p.id}, p.position);
+      }
+      if (!allows(own, get<M>())) {
+        const Seen p = e.seen(k, time);
+        std::string values;
+        for (std::size_t n = 0; n < numbers_of_fields<M>; ++n)
+          values += sentence(n > 0 ? ", " : "", FieldNames<M>::at(n / FieldNames<M>::components),
+                             " = ", numbers[n]);
+        throw SimulationError(sentence("step ", step, ", t = ", time, " s: particle ", p.id, " at ",
+                                       p.position, " m got ", values, "; ", words_of<M>()),
                               step, {p.id}, p.position);
       }
     }

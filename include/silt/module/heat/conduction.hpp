@@ -115,6 +115,10 @@ struct HeatConductionBy {
   void update(const Seen& p, Fields& f, double received, double dt) const {
     f.temperature += received * dt / capacity(p);
   }
+  bool allows(const Fields& f) const { return f.temperature > 0; }
+  static constexpr const char* allowed =
+      "temperatures must stay above 0 K: more heat is taken out than there is, perhaps by a wall "
+      "with heated_by() or by a source of your own; lower it, or hold the wall at a temperature";
   /// [J/K]
   double capacity(const Seen& p) const { return p.mass * material(p.material).heat_capacity; }
   /// Before contacts are known: twelve, with circles of a quarter of the radius, narrowed as in (2)
