@@ -11,6 +11,7 @@
 #include <doctest/doctest.h>
 
 #include <silt/core/random.hpp>
+#include <silt/coupling/averaging/diffusion.hpp>
 #include <silt/coupling/averaging/kernel.hpp>
 #include <silt/coupling/averaging/unresolved.hpp>
 #include <silt/coupling/coupled_flow.hpp>
@@ -162,9 +163,11 @@ TEST_CASE(
   CHECK(fluid.closure().heat < 1e-12);
 }
 
-// Catches any wrong factor between h, area, volume and both capacities. First the closed form
-// itself (recalled): dJ/dy = solid - gas, and d solid/ds = gas - solid.
-TEST_CASE("heat exchange: hot gas through a cold bed, Schumann's temperatures") {
+// Catches any wrong factor between h, area, volume and both capacities, and heat that goes through
+// the bed by a mode that smooths over several grains. First the closed form itself (recalled):
+// dJ/dy = solid - gas, and d solid/ds = gas - solid.
+TEST_CASE_TEMPLATE("heat exchange: hot gas through a cold bed, Schumann's temperatures", Mode,
+                   silt::Unresolved, silt::Kernel, silt::Diffusion) {
   const auto solid = [](double y, double s) { return 1 - J(s, y); };
   for (const double y : {0.5, 3.0})
     for (const double s : {0.7, 4.0}) {
@@ -180,7 +183,7 @@ TEST_CASE("heat exchange: hot gas through a cold bed, Schumann's temperatures") 
   const double d = 1e-3, h = 1.1e-3, U = 0.5;
   const double eps = 1 - pi / 6 / std::pow(1.1, 3), u = U / eps, gas = eps * 1.2 * 1005;
   CoupledFlow fluid(
-      silt::SchillerNaumann{}, silt::Unresolved{},
+      silt::SchillerNaumann{}, Mode{},
       FlowSolver(Grid({{0, 0, 0}, {h, h, n * h}}, {1, 1, n}, {true, true, false}), air));
   FlowSolver& flow = fluid.flow();
   flow.set_side(2, 0, silt::Inflow{{0, 0, U}}), flow.set_side(2, 1, silt::Outflow{});
@@ -189,7 +192,7 @@ TEST_CASE("heat exchange: hot gas through a cold bed, Schumann's temperatures") 
   Grains grains;
   const double V = pi / 6 * d * d * d, C = 20 * gas * h * h * h;
   for (int k = 0; k < n; ++k) grains.add({0.5 * h, 0.5 * h, (k + 0.5) * h}, d, 300, 1, C / V);
-  const double units = 8;                                // of transfer in the bed
+  const double units = 24;                               // of transfer in the bed
   const double hA = units / n * 1.2 * 1005 * U * h * h;  // [W/K] of a grain
   grains.heat.conductance = [=](std::size_t, const HeatedFluid&) { return hA; };
   const double dt = 0.4 * h / u, end = 5 * C / hA;
@@ -207,8 +210,8 @@ TEST_CASE("heat exchange: hot gas through a cold bed, Schumann's temperatures") 
         std::abs((grains.temperature[static_cast<std::size_t>(k)] - 300) / 100 - solid(y, s)));
   }
   MESSAGE("errors of gas and grains: ", worst_gas, ", ", worst_solid);
-  CHECK(worst_gas < 0.01);
-  CHECK(worst_solid < 0.01);
+  CHECK(worst_gas < 0.02);  // cells of 0.4 units
+  CHECK(worst_solid < 0.02);
   CHECK(fluid.closure().heat < 1e-12);
 }
 

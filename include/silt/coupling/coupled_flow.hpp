@@ -11,9 +11,12 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include <silt/core/dyn_array.hpp>
 #include <silt/coupling/averaging/concept.hpp>
+#include <silt/coupling/averaging/kernel.hpp>
+#include <silt/coupling/averaging/unresolved.hpp>
 #include <silt/coupling/cell_values.hpp>
 #include <silt/coupling/concept.hpp>
 #include <silt/coupling/coupled_step.hpp>
@@ -294,7 +297,18 @@ class BasicCoupledFlow {
   Mode mode_;
   Exchange exchange_;
   std::optional<typename Mode::Averaging> averaging_;
+  /// For heat, with modes that smooth: grains and fluid that are mixed over a kernel's width would
+  /// conduct heat through the bed.
+  static constexpr bool heats_apart = has_heat && !std::is_same_v<Mode, Unresolved>;
+  std::conditional_t<heats_apart, std::optional<Kernel::Averaging>, std::monostate> heats_;
+  auto& averaging_of_heat() {
+    if constexpr (heats_apart)
+      return *heats_;
+    else
+      return *averaging_;
+  }
   int opened_ = 0;                            // number of the flow's boundaries at the last opening
+  int opened_for_heat_ = 0;                   // the same of heats_
   CellField solids_;                          // [m3]
   static constexpr std::size_t of_left = 10;  // numbers of a LeftParticle
   DynArray<double> left_;                     // since the last step, of_left each

@@ -42,7 +42,15 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::spread_heat(
     });
     const std::span<const double> from[] = {conducts_, gives_};
     CellField* const to[] = {&flow_.heat_exchange(), &flow_.heat_of_particles()};
-    averaging_->spread(from, to, team);
+    if constexpr (heats_apart) {
+      if (!heats_ || opened_for_heat_ != opened_) {
+        heats_.emplace(Kernel{.form = Kernel::Form::Cube}, flow_.grid(), *diameter);
+        if (const CellField* open = flow_.open_cells()) heats_->open(*open, team);
+        opened_for_heat_ = opened_;
+      }
+      heats_->place(of.shape, team);
+    }
+    averaging_of_heat().spread(from, to, team);
     share_out(to, team);
   }
 }
@@ -57,7 +65,7 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::take_heat(
     join(field);
     const CellField* const from[] = {&field};
     const std::span<double> to[] = {seen_};
-    averaging_->gather(from, to, team);
+    averaging_of_heat().gather(from, to, team);
     for (std::size_t p = 0; p < seen_.size(); ++p) {
       const double q = dt * (conducts_[p] * seen_[p] - gives_[p]);  // [J]
       done.heat += q, done.heat_terms += dt * gives_[p];

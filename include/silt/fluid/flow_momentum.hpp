@@ -69,6 +69,10 @@ inline void carry(FlowState& state, double dt, const Team& team) {
       FlowState::larger);
   if (lacking > 0) {  // eps jumps: follow it one step later, without extrapolation
     state.carried = state.flow, state.mass = state.older_eps, state.next_mass = state.old_eps;
+    // What the last step carried, in a step of another length: m' = m - dt div F holds for both.
+    if (const double as_much = state.old_dt / dt; as_much > 0 && as_much != 1)
+      for (CellField& flow : state.carried)
+        for (double& f : flow.values()) f *= as_much;
   }
   state.sides.fill_cells(state.mass), state.sides.fill_cells(state.next_mass);
 }

@@ -31,7 +31,7 @@ struct SphConstants {
   double mass, h, normalisation;  // [kg], [m], a of the kernel
   double sound, density;          // [m/s], [kg/m3]
   Vec3d gravity;                  // [m/s2]
-  double viscous;                 // [1/m2] D over the second moment of the kernel
+  double viscous = 0;             // [1/m2] D over the second moment of the kernel
 };
 
 /// [-] of h^2, added to r^2 in the terms of viscosity and diffusion: 0.01, or that of a viscosity.

@@ -128,9 +128,9 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
           " s; set Simulation::time_step to less than ", longest,
           " s, or give the wall a larger mass or inertia"));
     reading_.known = false;
-    const double known = core().exchange;  // to those who chose dt
+    const double before = core().exchange;  // known to those who chose dt
     core().take_particles(of);
-    if (known <= core().exchange) detail::refuse_light_bodies(core(), of, dt);
+    if (before <= core().exchange) detail::refuse_light_bodies(core(), of, dt);
     std::fill(force.begin(), force.end(), Vec3d{0, 0, 0});
     std::fill(torque.begin(), torque.end(), Vec3d{0, 0, 0});
     for (double left = dt; left > 0;) {

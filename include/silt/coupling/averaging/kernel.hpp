@@ -13,6 +13,10 @@ namespace silt::inline SILT_TARGET {
 ///                   the cells (a polynomial): R = width d, at least 1.5 h (1)
 ///   Form::Gaussian  K = G(x) G(y) G(z), G = exp(-x^2/(2 s^2)) - exp(-9/2) inside 3 s, at the
 ///                   cells' centres, s = width d, at least h/2 (2)
+///   Form::Cube      K = 1 in a box, integrated over the cells. Its edges are `width` times those
+///                   of a cube of the particle's volume, less a cell's: with larger cells all is in
+///                   that of the centre. No smoothing, so void fractions jump where particles cross
+///                   faces; heat is exchanged by it whatever the mode (docs/gas_heat.md)
 ///   bodies          K = (1 - q^2)^2 or exp(-9/2 q^2) - exp(-9/2), at the cells' centres, with
 ///                   q = g(x) r/R, R of (1) or 3 s of (2): R and s are enlarged in each direction
 ///                   by the body's extent in radii r of the sphere of its volume (3)
@@ -23,6 +27,8 @@ namespace silt::inline SILT_TARGET {
 /// moments are isotropic (standard deviation 0.378 R for B). The ratio <x^4>/(3 <x^2 y^2>), 1 if
 /// isotropic, is 0.78 for B and 0.91 for the cut Gaussian: along diagonals tails extend up to
 /// sqrt(3) R.
+///
+/// A cube is that of a sphere of the body's volume.
 ///
 /// Deviations: the review's Gaussian jumps at its cut by exp(-9/2), which appears as noise in d
 ///             eps/dt; here it is lowered by this value. The minimum widths prevent kernels
@@ -35,9 +41,9 @@ namespace silt::inline SILT_TARGET {
 /// Valid:  cells of any size.
 /// Units:  lengths in diameters of each particle.
 struct Kernel {
-  enum class Form { Compact, Gaussian };
+  enum class Form { Compact, Gaussian, Cube };
   Form form = Form::Compact;
-  double width = 0;  // [diameters] R of Compact, s of Gaussian; 0: default 3 and 1
+  double width = 0;  // [diameters] R of Compact, s of Gaussian; [edges] of Cube; 0: 3, 1 and 1
 
   void check() const {
     require(width == 0 || (width >= 0.1 && width <= 100), "Kernel.width = ", width,
@@ -51,12 +57,14 @@ struct Kernel {
 class Kernel::Source {
  public:
   Source(const Kernel& mode, const Grid& grid, double, const AveragedParticles& particles)
-      : compact_(mode.form == Form::Compact),
+      : form_(mode.form),
         per_radius_(2 *
-                    (mode.width > 0 ? mode.width
-                     : compact_     ? 3
-                                    : 1) *
-                    (compact_ ? 1 : 3)),
+                    (mode.width > 0           ? mode.width
+                     : form_ == Form::Compact ? 3
+                                              : 1) *
+                    (form_ == Form::Compact    ? 1
+                     : form_ == Form::Gaussian ? 3
+                                               : half_edge)),
         of_(particles),
         frame_(grid) {}
 
@@ -67,8 +75,8 @@ class Kernel::Source {
     if (!body) {
       for (std::size_t d = 0; d < 3; ++d) {
         const double reach = reach_in_cells(p, d);
-        r[d] = compact_ ? frame_.range(d, s[d] - reach, s[d] + reach)
-                        : frame_.range(d, s[d] - reach + 0.5, s[d] + reach - 0.5);
+        r[d] = form_ == Form::Gaussian ? frame_.range(d, s[d] - reach + 0.5, s[d] + reach - 0.5)
+                                       : frame_.range(d, s[d] - reach, s[d] + reach);
       }
       return StencilKind::Product;
     }
@@ -89,7 +97,12 @@ class Kernel::Source {
     const auto d = static_cast<std::size_t>(direction);
     const double s = frame_.at(of_.position[p])[d], inverse = 1 / reach_in_cells(p, d);
     const double first = (range.low - s) * inverse;
-    if (compact_) {
+    if (form_ == Form::Cube) {
+      for (int m = 0; m <= range.raw(); ++m) raw[m] = std::clamp(first + m * inverse, -1.0, 1.0);
+      for (int m = 0; m < range.raw(); ++m) raw[m] = std::max(0.0, raw[m + 1] - raw[m]);
+      return;
+    }
+    if (form_ == Form::Compact) {
       // All faces first, then their differences.
       const auto integral = [](double q) {
         const double x = std::clamp(q, -1.0, 1.0), x2 = x * x;
@@ -132,7 +145,7 @@ class Kernel::Source {
           const Vec3<Pack> x{Pack(at.x) + m * Pack(step.x), Pack(at.y) + m * Pack(step.y),
                              Pack(at.z) + m * Pack(step.z)};
           const Pack q2 = body.ellipsoid() ? dot(x, x) : gauge_squared(body, x);
-          store(lane, compact_ ? quartic(q2) : gaussian(q2));
+          store(lane, form_ == Form::Compact ? quartic(q2) : gaussian(q2));
           std::copy_n(lane, std::min(detail::stencil_lanes, nx - i), raw + i);
         }
       }
@@ -141,12 +154,13 @@ class Kernel::Source {
  private:
   /// Null for a sphere.
   const AveragedForm* form_of(std::size_t p) const {
-    if (of_.forms.empty()) return nullptr;
+    if (of_.forms.empty() || form_ == Form::Cube) return nullptr;
     const AveragedForm& body = of_.forms[of_.form.empty() ? 0 : of_.form[p]];
     return body.sphere ? nullptr : &body;
   }
   double reach_in_cells(std::size_t p, std::size_t d) const {
-    return std::max(per_radius_ * of_.radius[p] * frame_.inverse(d), 1.5);
+    const double reach = per_radius_ * of_.radius[p] * frame_.inverse(d);
+    return form_ == Form::Cube ? std::max(reach - 0.5, 1e-9) : std::max(reach, 1.5);
   }
   /// R or 3 s [m], at least 1.5 cells in the thinnest direction of the body.
   double body_reach(std::size_t p, const AveragedForm& body) const {
@@ -181,8 +195,9 @@ class Kernel::Source {
     return power(max(all, smallest<Real>()), Real(2 / body.s1));
   }
 
-  bool compact_;
-  double per_radius_;  // [-] R or 3 s, over the radius
+  static constexpr double half_edge = 0.40299759827496166;  // [diameters] (pi/6)^(1/3)/2
+  Form form_;
+  double per_radius_;  // [-] R, 3 s or half an edge, over the radius
   const AveragedParticles& of_;
   detail::CellFrame frame_;
 };
