@@ -170,6 +170,9 @@ def compare_all(a: Comparable, b: Comparable, fields: Optional[Sequence[str]] = 
     a, b = _known(a), _known(b)
     paths = isinstance(a, str) and isinstance(b, str)
     if paths and os.path.isdir(a) != os.path.isdir(b):
+        for path in (a, b):
+            if not os.path.exists(path):
+                raise Error(f"there is no file or folder '{path}'")
         raise Error(f"'{a if os.path.isdir(a) else b}' is a folder; compare two folders or two files")
     pairs = [(a, b, os.path.basename(a) if isinstance(a, str) else "")]
     if paths and os.path.isdir(a):

@@ -111,6 +111,9 @@ class VtkFile:
             if head.lstrip().startswith((b"<?xml", b"<VTKFile")):
                 raise Error(f"file '{self.path}' is cut off in its header; the run that wrote it was "
                             "killed, or the disk was full") from None
+            if not head.strip():
+                raise Error(f"file '{self.path}' is empty; the run that wrote it was killed, or the disk was "
+                            "full") from None
             raise self._foreign() from None
 
     def _foreign(self) -> Error:

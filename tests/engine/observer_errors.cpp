@@ -46,6 +46,20 @@ struct Impacts {
   void operator()(const Sim&) const {}
 };
 
+// Catches a run within a run, after which the outer one's observers missed some of their times.
+TEST_CASE("observers: a run within a run is refused") {
+  auto sim = scene();
+  const auto words = refusal([&] {
+    sim.run(0.01, [](auto& s) {
+      if (s.step() == 10) s.run(0.001);
+    });
+  });
+  CHECK(has(words, "Simulation::run was called by an observer of a run"));
+  CHECK(has(words, "at t = 0.001 s, step 10"));
+  sim.run(0.001);
+  CHECK(sim.step() == 20);
+}
+
 // Catches an error that does not say when, one that is of another type, and one that lost its own
 // fields.
 TEST_CASE("observers: their errors keep their type and say who threw at which time") {

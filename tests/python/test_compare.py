@@ -109,6 +109,7 @@ class Compare(Refuses, unittest.TestCase):
             os.remove(os.path.join(folder, "a", "energy.csv"))
             self.raises("has 'energy.csv'", silt.compare, os.path.join(folder, "a"), path("grains"))
             self.raises("is a folder; compare two folders or two files", silt.compare, folder, path("grains", "energy.csv"))
+            self.raises("there is no file or folder", silt.compare, folder, os.path.join(folder, "b"))
             empty = tempfile.mkdtemp(dir=folder)
             self.raises("have no series, tables or summaries", silt.compare, empty, empty)
         self.refused("must not be negative", "compare", path("grains"), path("again"), "--tolerance", -1)

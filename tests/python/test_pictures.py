@@ -456,6 +456,9 @@ class Drawn(Refuses, unittest.TestCase):
             self.assertEqual(force.tolist(), [z + 1 for z in heights])
         self.draw(name, "--slab", "y=-0.1,0.1")
         self.refused("there is nothing to draw", "draw", name, "--slab", "y=7,8", "-o", self.out)
+        walls = ("draw", path("grains", "particles.pvd"), "-o", self.out, "--slab")
+        self.assertIn("--slab leaves nothing but walls", run(*walls, "y=7,8").stderr)
+        self.assertNotIn("--slab", run(*walls, "y=-7,8").stderr)
         self.refused("an axis and two places", "draw", name, "--slab", "w=7,8", "-o", self.out)
 
     def test_a_slice_of_a_flow(self):

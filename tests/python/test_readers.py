@@ -313,6 +313,8 @@ class Errors(Refuses, unittest.TestCase):
             with open(name, "w") as file:
                 file.write("a,b\n1,2\n")
             self.raises("is no VTK file in XML", silt.open(name).__getitem__, 0)
+            open(name, "w").close()
+            self.raises("is empty", silt.open(name).__getitem__, 0)
             lists = os.path.join(folder, "x.pvd")
             with open(path("grains", "particles.pvd")) as file:
                 content = file.read()

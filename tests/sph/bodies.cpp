@@ -126,6 +126,9 @@ TEST_CASE("SPH: vtk_series of a Simulation writes the liquid, also after a resta
   const auto frames = [&](const std::string& to, const std::string& from) {
     auto sim = two_balls(from);
     sim.run(2e-3, vtk_series(to, every(1e-3)));
+    // Walls are drawn where the liquid can be, not over ten radii of the widest body.
+    CHECK(detail::wall_region(sim).min.z == 0);
+    CHECK(detail::wall_region(sim).max.z == 0.25);
     save_checkpoint(sim, folder + "/balls.silt");
     const auto series = VtkSeries::resume(to, "liquid", 1);
     sim.fluid().write(to + "/last.vtp");

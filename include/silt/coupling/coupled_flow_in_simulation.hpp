@@ -105,6 +105,10 @@ DynArray<std::string> BasicCoupledFlow<Flow, Drag, Mode, Forces...>::warnings() 
   // With another gravity than the earth's, units may be reduced.
   if (const double g = norm(gravity); g > 9.7 && g < 9.9) {
     out = detail::odd_fluid(flow_.fluid());
+    const Vec3d e = flow_.grid().box().extent();
+    const auto& n = flow_.grid().cells();
+    detail::odd_flow(flow_.fluid(), fastest({}).velocity,
+                     std::min({e.x / n[0], e.y / n[1], e.z / n[2]}), diameter.value_or(0), out);
     if constexpr (has_heat)
       if (flow_.has_heat()) detail::odd_heat(flow_.heat(), out);
   }

@@ -31,6 +31,19 @@ namespace silt::inline SILT_TARGET::detail {
                        "density in g/cm3 is a thousandth of that in kg/m3"));
   return out;
 }
+/// The same of a gas that moves at `fastest` [m/s], near the speed of sound in air and beyond, and
+/// of cells that are `wide` [m] for particles of at most `diameter` [m].
+[[gnu::cold]] inline void odd_flow(const FluidProperties& of, double fastest, double wide,
+                                   double diameter, DynArray<std::string>& out) {
+  constexpr double sound = 340, most = 300;  // [m/s] in air at 20 C (recalled); [-] cells
+  if (of.density < 20 && fastest > sound)
+    out.push_back(sentence("the gas moves at more than ", sound,
+                           " m/s, beyond the speed of sound in air; the flow is computed as one "
+                           "that cannot be compressed: check the velocities of the sides, in m/s"));
+  if (diameter > 0 && wide > most * diameter)
+    out.push_back(sentence("the cells of the flow are ", wide, " m wide, ", wide / diameter,
+                           " times the diameter of the largest particle: check the Grid, in m"));
+}
 template <class Heat>
 [[gnu::cold]] void odd_heat(const Heat& of, DynArray<std::string>& out) {
   if (of.heat_capacity < 50)

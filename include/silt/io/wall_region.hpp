@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <limits>
 #include <variant>
@@ -111,7 +112,14 @@ struct PlaneAcross {
   return around;
 }
 
-/// Particles, inlets, finite walls, walls of facing planes, and planes across an axis that are at
+/// With the region of an Sph, which is where its liquid can be: bodies in it may be far wider than
+/// deep, as prisms of a liquid in 2D.
+template <class Sim>
+concept HasLiquidRegion = requires(const Sim& sim) {
+  { sim.fluid().setup().region } -> std::convertible_to<Box>;
+};
+
+/// Particles, the region of a liquid, inlets, finite walls, walls of facing planes, and planes across an axis that are at
 /// most two extents of all these away. `radius` [m]: the largest.
 template <class Sim>
 [[gnu::cold]] Box region_of_scene(const Sim& sim, const Box& centres, double radius) {
@@ -144,6 +152,15 @@ template <class Sim>
           component(particles.min, d) = component(sim.domain().box().min, d);
           component(particles.max, d) = component(sim.domain().box().max, d);
         }
+    if constexpr (HasLiquidRegion<Sim>) {
+      Box liquid = sim.fluid().setup().region;
+      liquid.include(centres.min), liquid.include(centres.max);
+      for (std::size_t d = 0; d < 3; ++d)
+        if (component(liquid.max, d) > component(liquid.min, d)) {
+          component(particles.min, d) = component(liquid.min, d);
+          component(particles.max, d) = component(liquid.max, d);
+        }
+    }
     all.include(particles);
   }
   if (is_empty(all)) return all;

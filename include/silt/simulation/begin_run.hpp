@@ -9,6 +9,10 @@ namespace silt::inline SILT_TARGET {
 
 template <class... Policies>
 void Simulation<Policies...>::prepare() {
+  require(
+      !running_,
+      "Simulation::run was called by an observer of a run; the run goes on by itself: leave the "
+      "call out, or make it after the run has ended");
   const auto check = [this] {
     check_start();
     modules_.check(*this), modules_.check_given(engine_, step_, time_);

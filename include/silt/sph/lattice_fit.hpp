@@ -16,17 +16,18 @@ namespace silt::inline SILT_TARGET::detail {
 
 /// Refuses liquid whose lattice does not match plane walls normal to an axis. The first row should
 /// be half a spacing from the wall. Otherwise there is a gap or a compression; more than `most` of
-/// the volume along an axis is refused. Walls that the liquid does not touch, within half a row, do
-/// not count.
+/// the volume, along all axes together, is refused. Walls that the liquid does not touch, within
+/// half a row, do not count.
 inline void refuse_misfit(const WallParticles& walls, std::span<const Vec3d> liquid,
                           const SphSetup& setup) {
-  constexpr double most = 0.1;  // [-]
+  constexpr double most = 0.05;  // [-]
   const double s = setup.spacing;
   struct Side {
     std::size_t wall;
     double off = 0, at = 0;  // [m] deviation of the first row from half a spacing, and position of
                              // the wall
   };
+  double before = 0;  // [-] along the axes so far
   for (int axis = 0; axis < 3; ++axis) {
     if (liquid.empty() || (axis == 1 && setup.dimensions == 2)) continue;
     const auto along = [axis](const Vec3d& x) { return axis == 0 ? x.x : axis == 1 ? x.y : x.z; };
@@ -54,12 +55,17 @@ inline void refuse_misfit(const WallParticles& walls, std::span<const Vec3d> liq
       off += side.off;
       if (worst == nullptr || std::abs(side.off) > std::abs(worst->off)) worst = &side;
     }
-    if (worst == nullptr || std::abs(off) <= most * (rows * s + off)) continue;
+    const double share = std::abs(off) / (rows * s + off);
+    before += share;
+    if (worst == nullptr || before <= most) continue;
     throw InputError(sentence(
         "Sph: the first row of the liquid is ", (worst->off + 0.5 * s) / s, " spacings from wall ",
         walls.called(worst->wall), " at ", "xyz"[axis], " = ", worst->at,
-        " m, not half a spacing; its ", rows, " rows along ", "xyz"[axis], " leave ",
-        100 * std::abs(off) / (rows * s + off), off > 0 ? " % empty" : " % too few room",
+        " m, not half a spacing; its ", rows, " rows along ", "xyz"[axis], " leave ", 100 * share,
+        off > 0 ? " % empty" : " % too few room",
+        before > share
+            ? text(", and other directions ", std::round(1e3 * (before - share)) / 10, " %")
+            : "",
         "; put SphSetup.region.min a whole number of spacings from the wall, and use a "
         "spacing that divides the distance of walls that face each other"));
   }

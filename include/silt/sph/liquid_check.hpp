@@ -68,8 +68,8 @@ template <class Core>
     out.push_back(
         sentence("the liquid: ", core.left, " of ", ever, " particles (", 100 * left / all,
                  " %) have left SphSetup.region, from ", region.min, " to ", region.max,
-                 " m, and are lost; close the walls or enlarge the region; where liquid should "
-                 "leave, put an outlet (Sph::add_outlet)"));
+                 " m, and are lost; close the walls (their normals point to the liquid) or enlarge "
+                 "the region; where liquid should leave, put an outlet (Sph::add_outlet)"));
   const double g = norm(core.gravity);
   if (g > 9.7 && g < 9.9 && core.liquid.density < 50)  // in SI, at Earth's gravity
     out.push_back(sentence("the liquid: Liquid.density = ", core.liquid.density,

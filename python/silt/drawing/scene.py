@@ -72,6 +72,7 @@ class Extent:
     loads: list[np.ndarray] = field(default_factory=list)
     flows: list[np.ndarray] = field(default_factory=list)
     strong: float = 0  # [N] of the thickest contacts
+    filled: bool = False  # there is more than walls
     flat: Optional[tuple[np.ndarray, np.ndarray]] = None  # [m] in perspective: what the picture must hold
 
     def fit(self, layers: Layers, camera: "Camera") -> None:
@@ -87,6 +88,8 @@ class Extent:
             self.low = np.minimum(self.low, places.min(axis=0))
             self.high = np.maximum(self.high, places.max(axis=0))
         beds = layers.beds()
+        self.filled |= any(len(part) for part in (layers.contacts, layers.bonds, layers.cells)) or any(
+            len(bed.corners()) for bed in beds)
         coloured = [bed for bed in beds if bed.label] or beds
         self.values += [brief(bed.values) for bed in coloured]
         self.loads.append(brief(layers.load))
@@ -115,6 +118,10 @@ class Camera:
     def __init__(self, extent: Extent, options: argparse.Namespace) -> None:
         if not np.isfinite(extent.low).all():
             raise Error("there is nothing to draw: no bodies, contacts or cells are left, and there are no walls")
+        if not extent.filled and (options.slab or options.cut):
+            which = " and ".join(name for name in ("slab", "cut") if getattr(options, name))
+            sys.stderr.write(f"silt: --{which} leaves nothing but walls to draw\n")
+            extent.filled = True  # told
         low, high = extent.low, extent.high
         self.eye: Optional[np.ndarray] = None
         self.plane = float(high[2])

@@ -13,6 +13,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
+#include <silt/engine/stages/module_fields.hpp>
 #include <silt/engine/stages/near_stage.hpp>
 #include <silt/engine/state/module_columns.hpp>
 
@@ -121,7 +122,7 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
         }
       });
       if (const std::size_t k = *std::min_element(bad.begin(), bad.end()); k != none)
-        (stop_at_field<Ms>(e, step, time, k), ...);
+        (stop_at_field<Ms>(get<Ms>(), e, step, time, k), ...);
     }
   }
 
@@ -129,7 +130,7 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
   template <class Engine>
   void check_given(const Engine& e, [[maybe_unused]] std::int64_t step,
                    [[maybe_unused]] double time) const {
-    (check_given_one<Ms>(e, step, time), ...);
+    (check_given_fields<Ms>(e, step, time), ...);
   }
 
   /// The largest acceleration [m/s2] that modules give to a particle now.
@@ -251,30 +252,14 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
     if constexpr (UpdatesByFlux<M>) {
       auto& own = columns.template of<M>()[k];
       get<M>().update(p, own, columns.template received_of<M>()[k], dt);
-      return all_finite<M>(own) && allows(own, get<M>());
+      return all_finite<M>(own) && allows_fields(get<M>(), own);
     } else if constexpr (Updates<M>) {
       auto& own = columns.template of<M>()[k];
       get<M>().update(p, own, dt);
-      return all_finite<M>(own) && allows(own, get<M>());
+      return all_finite<M>(own) && allows_fields(get<M>(), own);
     } else {
       return true;
     }
-  }
-  template <class M>
-  static bool all_finite(const FieldsOf<M>& own) {
-    const auto* const numbers = reinterpret_cast<const double*>(&own);
-    return std::all_of(numbers, numbers + numbers_of_fields<M>,
-                       [](double x) { return std::isfinite(x); });
-  }
-  template <class M>
-  static const char* words_of() {
-    if constexpr (requires { std::string(M::allowed); }) return M::allowed;
-    return "its module does not allow that (allows(), silt/module/concept.hpp)";
-  }
-  template <class M>
-  static bool allows(const FieldsOf<M>& own, const M& module) {
-    if constexpr (requires { bool(module.allows(own)); }) return module.allows(own);
-    return true;
   }
   template <class M, class Sim>
   void check_one([[maybe_unused]] const Sim& sim) const {
@@ -358,60 +343,6 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
                " N", List::turn ? text(" with a torque of ", push.torque, " N m") : "",
                "; mend its force()"),
           when.step, {p.id}, p.position);
-    }
-  }
-  template <class M, class Engine>
-  static void check_given_one([[maybe_unused]] const Engine& e, [[maybe_unused]] std::int64_t step,
-                              [[maybe_unused]] double time) {
-    if constexpr (has_fields<M> && !Updates<M> && !UpdatesByFlux<M>)
-      for (std::size_t k = 0; k < e.owners(); ++k) {
-        const auto& own = e.modules().template of<M>()[k];
-        if (all_finite<M>(own) || !e.owner(k).is_there()) continue;
-        const auto* const numbers = reinterpret_cast<const double*>(&own);
-        std::size_t n = 0;
-        while (std::isfinite(numbers[n])) ++n;
-        const Seen p = e.seen(k, time);
-        throw SimulationError(
-            text("step ", step, ", t = ", time, " s: the field '",
-                 FieldNames<M>::at(n / FieldNames<M>::components), "' of particle ", p.id, " at ",
-                 p.position, " m is ", numbers[n],
-                 ", which must be finite; it began so, or an observer, or the program between two "
-                 "runs, has set it"),
-            step, {p.id}, p.position);
-      }
-  }
-  template <class M, class Engine>
-  void stop_at_field(const Engine& e, std::int64_t step, double time, std::size_t k) const {
-    if constexpr (Updates<M> || UpdatesByFlux<M>) {
-      const auto& own = e.modules().template of<M>()[k];
-      const auto* const numbers = reinterpret_cast<const double*>(&own);
-      for (std::size_t n = 0; n < numbers_of_fields<M>; ++n) {
-        if (std::isfinite(numbers[n])) continue;
-        const Seen p = e.seen(k, time);
-        std::string mend = "; mend its update()";
-        if constexpr (UpdatesByFlux<M>)
-          if (const double received = e.modules().template received_of<M>()[k];
-              !std::isfinite(received))
-            mend = text(", as it received ", received,
-                        FlowsInPairs<M>
-                            ? " from others; mend the module's flux(), pair_flux() or at_wall()"
-                            : " from its contacts; mend the module's flux() or at_wall()");
-        throw SimulationError(text("step ", step, ", t = ", time, " s: the field '",
-                                   FieldNames<M>::at(n / FieldNames<M>::components),
-                                   "' of the module ", name_of_module<M>(), " became ", numbers[n],
-                                   " for particle ", p.id, " at ", p.position, " m", mend),
-                              step, {p.id}, p.position);
-      }
-      if (!allows(own, get<M>())) {
-        const Seen p = e.seen(k, time);
-        std::string values;
-        for (std::size_t n = 0; n < numbers_of_fields<M>; ++n)
-          values += sentence(n > 0 ? ", " : "", FieldNames<M>::at(n / FieldNames<M>::components),
-                             " = ", numbers[n]);
-        throw SimulationError(sentence("step ", step, ", t = ", time, " s: particle ", p.id, " at ",
-                                       p.position, " m got ", values, "; ", words_of<M>()),
-                              step, {p.id}, p.position);
-      }
     }
   }
 };

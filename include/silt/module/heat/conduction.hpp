@@ -118,7 +118,8 @@ struct HeatConductionBy {
   bool allows(const Fields& f) const { return f.temperature > 0; }
   static constexpr const char* allowed =
       "temperatures must stay above 0 K: more heat is taken out than there is, perhaps by a wall "
-      "with heated_by() or by a source of your own; lower it, or hold the wall at a temperature";
+      "with heated_by(), by a source of your own or in steps too long for the conduction; lower "
+      "it, or hold the wall at a temperature";
   /// [J/K]
   double capacity(const Seen& p) const { return p.mass * material(p.material).heat_capacity; }
   /// Before contacts are known: twelve, with circles of a quarter of the radius, narrowed as in (2)
@@ -215,6 +216,13 @@ struct HeatConductionBy {
       real += m.youngs_modulus > 0 ? (1 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus
                                    : as_used;
     }
+    constexpr double softest = 20;  // [-]
+    require(
+        !given || real < softest * used,
+        "HeatConduction.youngs_modulus = ", material(a).youngs_modulus, " and ",
+        material(b).youngs_modulus, " [Pa] of materials ", a, " and ", b,
+        ": the real solid would be ", real / used,
+        " times softer than the contacts; give its modulus in Pa, such as 70e9, or leave it out");
     return given ? std::cbrt(real / used) : 1;
   }
 };
