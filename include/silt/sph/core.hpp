@@ -248,6 +248,7 @@ struct SphCore {
     else
       return {};
   }
+  std::size_t liquid_particles() const { return next_number - left - displaced - openings.went(); }
   /// [kg] of the particle of a row.
   double mass_of(std::size_t k) const { return particle_mass() * columns.share_of(k); }
   void make_room_for_bodies() {
@@ -484,7 +485,8 @@ struct SphCore {
     else
       SphStep(*this, dt, team).verlet();
     if constexpr (Walls::mirrored)
-      solids.holding.keep(solids, columns, lists, dt, sph_memory(setup, liquid), team);
+      solids.holding.keep(solids, columns, lists, dt, sph_memory(liquid_particles(), setup, liquid),
+                          team);
     time += dt, now = time, ++steps, last_step = dt, known = false;
     if (!openings.empty() && openings.pass(columns, lists.first_pack(Lists::Wall) * Pairs::W,
                                            particle_mass(), next_number, team))

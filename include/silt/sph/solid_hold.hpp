@@ -14,10 +14,11 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// [s] Time after which walls and bodies have forgotten a push: that of sound through the region.
-inline double sph_memory(const SphSetup& setup, const Liquid& liquid) {
-  const Vec3d e = setup.region.extent();
-  return std::max({e.x, e.z, setup.dimensions == 2 ? 0 : e.y}) / liquid.sound_speed;
+/// [s] Time after which walls and bodies have forgotten a push: in which sound goes to and fro
+/// through a cube, or in 2D a square, of all `particles` of the liquid.
+inline double sph_memory(std::size_t particles, const SphSetup& setup, const Liquid& liquid) {
+  const double across = std::pow(static_cast<double>(particles), 1.0 / setup.dimensions);
+  return 2 * std::max(across, 1.0) * setup.spacing / liquid.sound_speed;
 }
 
 /// Which particles of mirrored walls and bodies hold the liquid, that is, may pull it.
@@ -29,14 +30,16 @@ inline double sph_memory(const SphSetup& setup, const Liquid& liquid) {
 ///
 ///   dJ/dt = p - J/T >= 0,   it pulls while J > 0                                          (1)
 ///
-/// p [Pa] is the pressure of the liquid behind the surface, T the time of sound through the region.
-/// A liquid under a lid is let go after T at most. For a speed of sound that tends to infinity T
-/// tends to 0, and walls only push.
-/// Source: ours.
-/// Valid:  any; DynamicWalls do without it.
-/// Tests:  tests/sph/collision.cpp, tests/sph/hold.cpp.
+/// p [Pa] is the pressure of the liquid behind the surface, T the time in which sound goes to and
+/// fro through the liquid. Liquid under a lid is let go after about T. For a speed of sound that
+/// tends to infinity T tends to 0, and walls only push. Drops and films, by the neighbourhood of
+/// the mirror image, are not held: their tension is inaccurate and draws them into walls. Source:
+/// ours. Valid:  any; DynamicWalls do without it. Tests:  tests/sph/collision.cpp,
+/// tests/sph/hold.cpp.
 class SolidHold {
  public:
+  /// Whether a mirror image that sees 1/`over` of a full neighbourhood is in no drop or film.
+  static bool sees_bulk(double over) { return over > 0 && over < 1 / 0.6; }
   bool holds(std::size_t k) const { return k < pushed_.size() && pushed_[k] > 0; }
   /// After a step of dt [s]: (1) for each particle of the `solids`.
   template <class Solids>

@@ -148,7 +148,8 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
       sph_move_wall(core, at, row, images.velocity(l), images.way(l), image, slip);
       if constexpr (Core::Time::leaps) columns.images[row - first] = image;
       columns.volume[at] = solids.of_row(row).share * core.particle_mass() / wall.density;
-      columns.holds[at] = solids.holding.holds(columns.label[row]) ? 1 : 0;
+      columns.holds[at] =
+          solids.holding.sees_bulk(images.over[l]) && solids.holding.holds(columns.label[row]);
     }
   });
 }

@@ -268,12 +268,10 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     core().step(dt, team), reading_.known = false;
   }
 
-  double time() const { return core().time; }            // [s]
-  std::int64_t steps() const { return core().steps; }    // [-]
-  double last_step() const { return core().last_step; }  // [s]
-  std::size_t size() const {                             // liquid particles
-    return core().next_number - core().left - core().displaced - core().openings.went();
-  }
+  double time() const { return core().time; }                     // [s]
+  std::int64_t steps() const { return core().steps; }             // [-]
+  double last_step() const { return core().last_step; }           // [s]
+  std::size_t size() const { return core().liquid_particles(); }  // of the liquid
   std::size_t openings() const { return core().openings.size(); }
   /// Flow through an opening since the start.
   const OpeningBooks& opening_books(std::size_t which) const {
