@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 
+#include <silt/boundary/deforming_box.hpp>
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
@@ -32,8 +33,9 @@ void check_range(const Domain& domain, const State& particles, double range) {
   const double least = 4 * particles.largest_radius + 2 * range;
   for (int d = 0; d < 3; ++d)
     require(!domain.repeats(d) || domain.length(d) >= least, Domain::policy_name, ": its length ",
-            domain.length(d), " [m] must be at least ", least,
-            " m, two diameters and twice the range ", range, " m of the contact law");
+            domain.length(d), " [m] in ", "xyz"[d], " must be at least ", least,
+            " m, two diameters and twice the range ", range, " m of the contact law",
+            deforms<Domain> ? "; a box that shrinks so far has too few particles in it" : "");
 }
 
 }  // namespace silt::detail
