@@ -215,7 +215,8 @@ struct ShiftingByFastest {
 /// @{
 
 /// Density of the liquid at the mirror images, by a linear fit, and mirrored velocities for no-slip
-/// or slip (mDBC).
+/// or slip (mDBC). Such walls hold liquid that they have pushed for as long as sound goes to and fro
+/// in it, and only push otherwise (solid_hold.hpp).
 /// Source: A. English and others, Comput. Part. Mech. 9 (2022) 1 (recalled).
 /// Valid:  walls of any shape with liquid on one side.
 /// Tests:  tests/sph/walls.cpp, tests/sph/bodies.cpp.
