@@ -33,9 +33,11 @@ inline double sph_memory(std::size_t particles, const SphSetup& setup, const Liq
 /// p [Pa] is the pressure of the liquid behind the surface, T the time in which sound goes to and
 /// fro through the liquid. Liquid under a lid is let go after about T. For a speed of sound that
 /// tends to infinity T tends to 0, and walls only push. Drops and films, by the neighbourhood of
-/// the mirror image, are not held: their tension is inaccurate and draws them into walls. Source:
-/// ours. Valid:  any; DynamicWalls do without it. Tests:  tests/sph/collision.cpp,
-/// tests/sph/hold.cpp.
+/// the mirror image, are not held: their tension is inaccurate and draws them into walls.
+///
+/// Source: ours.
+/// Valid:  any; DynamicWalls do without it.
+/// Tests:  tests/sph/collision.cpp.
 class SolidHold {
  public:
   /// Whether a mirror image that sees 1/`over` of a full neighbourhood is in no drop or film.
