@@ -364,7 +364,9 @@ struct SphCore {
     double dt = courant * h / (liquid.sound_speed + most.pair);
     if (most.acceleration > 0)
       dt = std::min(dt, std::min(courant, most_of_fall) * std::sqrt(h / most.acceleration));
-    return std::min(dt, viscosity.longest_step(h, liquid.sound_speed));
+    if constexpr (requires { viscosity.longest_step(h, liquid.sound_speed); })
+      dt = std::min(dt, viscosity.longest_step(h, liquid.sound_speed));
+    return dt;
   }
 
   void renew(const Team& team) { sph_renew(*this, team), move_walls(), place_solids(true, team); }
