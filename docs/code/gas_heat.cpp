@@ -87,7 +87,7 @@ int main() {
   std::printf("grains got %.6f J, the gas gave %.6f J\n", grains_heat(),
               before.from_particles - after.from_particles);
   // Cells of 4 mm, whose temperature is that of the gas leaving them, smear a front that is 12 mm
-  // wide: 0.04. Fails if a grain exchanges heat over the width of the kernel (0.07), or a Nusselt number, an area or a capacity is wrong by
-  // a factor of two, or if only one side receives heat.
+  // wide: 0.04. Fails if a grain exchanges heat over the width of the kernel (0.07), if a Nusselt
+  // number, an area or a capacity is wrong by a factor of two, or if only one side receives heat.
   return worst < 0.045 && std::abs(kept) < 1e-10 * grains_heat() ? 0 : 1;
 }
