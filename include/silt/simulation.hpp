@@ -196,8 +196,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   template <class... Observers>
   void run(double duration, Observers&&... observers) {
     detail::run_observed(
-        *this, [&] { run_steps(duration, observers...); }, [this] { return kicked_ ? 0 : dt_; },
-        observers...);
+        *this, past_runs_, [&] { run_steps(duration, observers...); },
+        [this] { return kicked_ ? 0 : dt_; }, observers...);
   }
 
  private:
@@ -215,7 +215,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   /// For observers that begin to write a file or series: whether they add to it. They do in a run
   /// that goes on from a restart, and where an earlier run of this simulation has written it.
   /// InputError if another observer of this run writes it.
-  bool continues(const std::string& file) const { return written_.has(file) || continued_; }
+  bool continues(const std::string& file) const { return past_runs_.has_written(file) || continued_; }
   /// Whether observers were called at this instant, in this run or the one before.
   bool observed() const { return observed_; }
   using Readings = detail::ParticleReadings<Simulation>;
@@ -376,7 +376,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   detail::NextIds next_;
   bool first_kick_ = true, kicked_ = false, observed_ = false, continued_ = false;
   bool running_ = false;                                       // in run(), with its observers
-  mutable detail::WrittenFiles written_;                       // continues()
+  mutable detail::PastRuns past_runs_;                         // continues()
   detail::ContactsKept kept_ = detail::ContactsKept::Nothing;  // of the present step
   bool scene_changed_ = false;                                 // since the last run began
   [[no_unique_address]] std::conditional_t<has_ranks, detail::RanksScene, Nothing> ranks_scene_;

@@ -198,6 +198,9 @@ namespace taps_without_flow {
 namespace levels_without_liquid {
 #include "refused/levels_without_liquid.cpp"
 }
+namespace observer_not_called {
+#include "refused/observer_not_called.cpp"
+}
 namespace const_observer {
 #include "refused/const_observer.cpp"
 }

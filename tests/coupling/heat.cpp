@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <numbers>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -167,7 +168,7 @@ TEST_CASE(
 // the bed by a mode that smooths over several grains. First the closed form itself (recalled):
 // dJ/dy = solid - gas, and d solid/ds = gas - solid.
 TEST_CASE_TEMPLATE("heat exchange: hot gas through a cold bed, Schumann's temperatures", Mode,
-                   silt::Unresolved, silt::Kernel, silt::Diffusion) {
+                   silt::Unresolved, silt::Kernel, silt::TwoGrid, silt::Diffusion) {
   const auto solid = [](double y, double s) { return 1 - J(s, y); };
   for (const double y : {0.5, 3.0})
     for (const double s : {0.7, 4.0}) {
@@ -198,7 +199,9 @@ TEST_CASE_TEMPLATE("heat exchange: hot gas through a cold bed, Schumann's temper
   const double dt = 0.4 * h / u, end = 5 * C / hA;
   const int steps = static_cast<int>(end / dt);
   for (int s = 0; s < steps; ++s) fluid.advance(grains.view(), dt, grains.force);
-  CHECK(flow.voidage()(0, 0, 5) == near(eps).epsilon(1e-12));
+  // TwoGrid's coarser cells hold no whole number of grains.
+  const double uneven = std::is_same_v<Mode, silt::TwoGrid> ? 0.01 : 1e-12;
+  CHECK(flow.voidage()(0, 0, 5) == near(eps).epsilon(uneven));
   double worst_gas = 0, worst_solid = 0;
   for (int k = 0; k < n; ++k) {
     const double y = units * (k + 0.5) / n;

@@ -46,6 +46,25 @@ struct Impacts {
   void operator()(const Sim&) const {}
 };
 
+// Catches a second run after one that failed, whose error says nothing of the first.
+TEST_CASE("a run after one that failed says so") {
+  auto sim = scene();
+  sim.guard.domain = silt::Box{{-1, -1, -5e-3}, {1, 1, 1}};
+  const auto first = refusal([&] { sim.run(0.1); });
+  CHECK(has(first, "outside guard.domain"));
+  CHECK(first.find("an earlier run") == first.npos);
+  const std::int64_t failed_at = sim.step();
+  const auto second = refusal([&] { sim.run(0.1); });
+  const auto words = silt::text("an earlier run of this simulation failed in step ", failed_at);
+  CHECK(has(second, words.c_str()));
+  CHECK(has(second, "build the simulation anew"));
+  // An observer's own error is no failure of the simulation.
+  auto other = scene();
+  CHECK_THROWS(other.run(0.01, Watch{}));
+  other.guard.domain = silt::Box{{-1, -1, -5e-3}, {1, 1, 1}};
+  CHECK(refusal([&] { other.run(0.1); }).find("an earlier run") == std::string::npos);
+}
+
 // Catches a run within a run, after which the outer one's observers missed some of their times.
 TEST_CASE("observers: a run within a run is refused") {
   auto sim = scene();

@@ -575,6 +575,39 @@ TEST_CASE("scene_warnings: friction in per cent, of a material, of a pair, and b
   CHECK(is_one(scene_warnings(sticky), {"friction = 40"}));
 }
 
+// Catches rolling friction in per cent: with 30 the run stops, with advice about its step.
+TEST_CASE("scene_warnings: rolling friction in per cent, alone and with twisting") {
+  const auto of = [](auto contacts) {
+    silt::Simulation sim{block({}), contacts};
+    sim.gravity = earth, sim.threads = 1;
+    sim.add_wall(silt::box({0, 0, 0}, {width, width, width}), rubber);
+    return scene_warnings(sim);
+  };
+  using Rolls = silt::Contacts<HertzMindlin, silt::RollingEpsd>;
+  CHECK(is_one(of(Rolls{rubber, {.rolling_friction = 30}}),
+               {"rolling_friction = 30 [-] between material 0 and itself", "give 0.3"}));
+  CHECK(is_silent(of(Rolls{rubber, {.rolling_friction = 1}})));
+  using Twists = silt::Both<silt::RollingDirectional, silt::Twisting>;
+  CHECK(is_one(of(silt::Contacts<HertzMindlin, Twists>{
+                   rubber, {{.rolling_friction = 5}, {.twisting_friction = 0.4}}}),
+               {"rolling_friction = 5"}));
+}
+
+// Catches a surface velocity along the normal, which does nothing.
+TEST_CASE("scene_warnings: a surface velocity along the normal of a plane") {
+  const auto with_belt = [](const Vec3d& velocity, const Vec3d& rate) {
+    auto sim = boxed({});
+    sim.add_wall(Plane{{0, 0, 0}, {0, 0, 2}}, rubber,
+                 {.name = "belt", .surface_velocity = {.velocity = velocity, .rate = rate}});
+    return scene_warnings(sim);
+  };
+  CHECK(is_one(with_belt({0, 0, 0.5}, {0, 0, 0}), {"surface_velocity = (0, 0, 0.5) [m/s] of wall",
+                                                   "'belt'", "translation(velocity)"}));
+  CHECK(is_silent(with_belt({0.1, 0, 0.5}, {0, 0, 0})));
+  CHECK(is_silent(with_belt({0, 0, 0.5}, {0, 0, 1})));  // a turntable
+  CHECK(is_silent(with_belt({0, 0, 0}, {0, 0, 0})));
+}
+
 // Catches a mesh in mm that is read as if it were in m: a floor 1000 times as wide as the bed.
 TEST_CASE("scene_warnings: a mesh a thousand times as large as all particles") {
   const auto on_floor = [](double side, int count) {

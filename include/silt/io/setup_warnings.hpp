@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <string>
+#include <variant>
 
 #include <silt/boundary/motion.hpp>
 #include <silt/boundary/wall.hpp>
@@ -12,7 +13,8 @@
 #include <silt/io/scene_look.hpp>
 #include <silt/io/warning_limits.hpp>
 
-/// Warnings about single settings of a scene: friction, the size of a mesh, an outlet, a motion.
+/// Warnings about single settings of a scene: friction, a belt, the size of a mesh, an outlet, a
+/// motion.
 /// Parts of scene_warnings() (io/scene_warnings.hpp). Tests: tests/io/scene_warnings.cpp.
 
 namespace silt::inline SILT_TARGET::detail {
@@ -28,24 +30,59 @@ double friction_of(const Coefficients& c) {
     return 0;
 }
 
+/// Coefficient of rolling friction [-] of a model, also of one of two; else 0.
+template <class Coefficients>
+double rolling_friction_of(const Coefficients& c) {
+  if constexpr (requires { c.rolling_friction; })
+    return c.rolling_friction;
+  else if constexpr (requires { c.first, c.second; })
+    return std::max(rolling_friction_of(c.first), rolling_friction_of(c.second));
+  else
+    return 0;
+}
+
 /// A coefficient in per cent is accepted by every law.
 template <class Sim>
 void warn_of_friction(const Sim& sim, DynArray<std::string>& out) {
   const auto& contacts = sim.contacts();
-  double most = 0;
-  std::size_t i = 0, j = 0;
-  for (std::size_t a = 0; a < contacts.materials(); ++a)
-    for (std::size_t b = 0; b <= a; ++b) {
-      if (!contacts.has_pair(a, b)) continue;
-      if (const double mu = friction_of(contacts.coefficients(a, b)); mu > most)
-        most = mu, i = b, j = a;
-    }
-  if (!(most > WarningLimits::most_friction)) return;
-  out.push_back(text("friction = ", about(most), " [-] between ", contacts.material_name(i),
-                     " and ", i == j ? std::string("itself") : contacts.material_name(j),
-                     " is larger than that of any solid, which is seldom above 1; if it was meant "
-                     "in per cent, give ",
-                     about(most / 100)));
+  const auto warn = [&](const char* name, double limit, const char* usual, const auto& of) {
+    double most = 0;
+    std::size_t i = 0, j = 0;
+    for (std::size_t a = 0; a < contacts.materials(); ++a)
+      for (std::size_t b = 0; b <= a; ++b) {
+        if (!contacts.has_pair(a, b)) continue;
+        if (const double mu = of(a, b); mu > most) most = mu, i = b, j = a;
+      }
+    if (!(most > limit)) return;
+    out.push_back(text(name, " = ", about(most), " [-] between ", contacts.material_name(i),
+                       " and ", i == j ? std::string("itself") : contacts.material_name(j),
+                       " is larger than that of any solid, which is seldom above ", usual,
+                       "; if it was meant in per cent, give ", about(most / 100)));
+  };
+  warn("friction", WarningLimits::most_friction, "1",
+       [&](std::size_t a, std::size_t b) { return friction_of(contacts.coefficients(a, b)); });
+  warn("rolling_friction", WarningLimits::most_rolling_friction, "0.5",
+       [&](std::size_t a, std::size_t b) {
+         return rolling_friction_of(contacts.rolling_coefficients(a, b));
+       });
+}
+
+/// Only the tangential part of a surface velocity acts: that of a plane along its normal does
+/// nothing.
+template <class Sim>
+void warn_of_belts(const Sim& sim, DynArray<std::string>& out) {
+  for (std::size_t w = 0; w < sim.walls(); ++w) {
+    const SurfaceVelocity& belt = sim.wall(w).belt;
+    if (sim.wall(w).surfaces.size() != 1 || belt.is_zero() || !(belt.rate == Vec3d{0, 0, 0}))
+      continue;
+    const auto* plane = std::get_if<Plane>(&sim.wall(w).surfaces[0]);
+    if (plane == nullptr) continue;
+    const Vec3d normal = sim.wall(w).pose.rotate(plane->unit().normal);
+    if (norm(belt.at(plane->point, normal)) > 1e-6 * norm(belt.velocity)) continue;
+    out.push_back(text("surface_velocity = ", belt.velocity, " [m/s] of ", sim.wall_name(w),
+                       " is along its normal and has no effect, since only the part along the "
+                       "surface acts; a wall that moves so has a motion: translation(velocity)"));
+  }
 }
 
 /// A file in mm read as if it were in m.

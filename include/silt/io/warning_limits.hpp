@@ -43,6 +43,8 @@ struct WarningLimits {
   /// Dry solids have 0.1 to 1, rubber on rough ground less than 2 (recalled). Calibrated values of
   /// rough grains may be somewhat larger.
   static constexpr double most_friction = 3;  // [-]
+  /// Values calibrated for grains that are no spheres are below 1, mostly below 0.5 (recalled).
+  static constexpr double most_rolling_friction = 2;  // [-]
   /// Soft gels have some 1e3 Pa (recalled), and simulations that soften take 1e5 to 1e8. Of steel
   /// in GPa the number is 210, of polymers 2. Diamond has 1.2e12 Pa (recalled), the stiffest solid.
   static constexpr double softest = 500, stiffest = 2e12;  // [Pa]

@@ -71,7 +71,7 @@ void Simulation<Policies...>::check_start() {
 /// time step.
 template <class... Policies>
 void Simulation<Policies...>::begin_run() {
-  written_.begin_run();
+  past_runs_.begin_run();
   this->check_pairs();
   engine_.set_coefficients(contacts_);
   engine_.set_flux_coefficients(modules_, contacts_);

@@ -161,8 +161,11 @@ bool is_saving(O& observer, const Sim& sim, bool again) {
 template <class O, class Sim>
 void observe(O& observer, Sim& sim, const Instant& now, std::size_t number, std::size_t of) {
   using Type = std::remove_cvref_t<O>;
-  constexpr bool callable = !std::is_const_v<O> || std::invocable<O&, Sim&>;
-  static_assert(callable,
+  constexpr bool callable = std::invocable<O&, Sim&>;
+  static_assert(callable || std::invocable<Type&, Sim&>,
+                "Simulation::run: an observer must be callable with the simulation, f(sim); a "
+                "schedule or a function of other arguments is none: at(every(0.1), f)");
+  static_assert(callable || !std::invocable<Type&, Sim&>,
                 "Simulation::run: an observer that is const cannot note when it was called last; "
                 "declare it with `auto` in place of `const auto`");
   if (saves<Type> != now.last) return;
@@ -202,13 +205,16 @@ void observe_all([[maybe_unused]] Sim& sim, [[maybe_unused]] bool again, Observe
   }
   return out;
 }
-/// The files that observers of a simulation have begun to write, and the run in which.
-class WrittenFiles {
+/// What the runs of a simulation leave to later ones: the files that observers have begun to write,
+/// with the run in which, and the step in which a run failed.
+class PastRuns {
  public:
+  std::int64_t failed_at = -1;  // [-] step; -1: none has failed
+
   void begin_run() { ++run_; }
   /// Whether an earlier run has written the file, however its path is spelt. InputError if this run
   /// does already.
-  bool has(const std::string& file) {
+  bool has_written(const std::string& file) {
     const auto [at, is_new] = written_.try_emplace(plain_path(file), run_);
     require(is_new || at->second != run_, "two observers of this run write '", file,
             "'; give each a file of its own");
@@ -263,24 +269,32 @@ std::string failed(O& observer, const Sim& sim, const SimulationError& error, do
   if constexpr (SeesFailures<O, Sim>) return observer.failed(sim, error, back);
   return {};
 }
-/// Calls `steps`; if that fails, observers are called, and their answers are appended to the
-/// message of the error. since_forces() [s]: how far positions have advanced since the forces
-/// acted.
+/// Rethrows the error of a failed run with what observers answer to it, and whether an earlier run
+/// had failed. since_forces() [s]: how far positions have advanced since the forces acted.
+template <class Sim, class Since, class... Observers>
+[[noreturn, gnu::cold]] void throw_failure([[maybe_unused]] const Sim& sim, PastRuns& runs,
+                                           const SimulationError& error,
+                                           [[maybe_unused]] const Since& since_forces,
+                                           [[maybe_unused]] Observers&... observers) {
+  std::string words = error.what();
+  if (runs.failed_at >= 0)
+    words += text("; an earlier run of this simulation failed in step ", runs.failed_at,
+                  " already, and what it left may be the cause: build the simulation anew, or "
+                  "continue from a checkpoint");
+  else
+    runs.failed_at = sim.step();
+  ((words += failed(observers, sim, error, since_forces())), ...);
+  if (last_agreed() == error.what()) last_agreed() = words;  // the message common to all ranks
+  throw SimulationError(words, error.step, error.particles, error.position);
+}
+/// Calls `steps`; the rest as throw_failure().
 template <class Sim, class Steps, class Since, class... Observers>
-void run_observed([[maybe_unused]] const Sim& sim, const Steps& steps,
-                  [[maybe_unused]] const Since& since_forces,
-                  [[maybe_unused]] Observers&... observers) {
-  if constexpr ((SeesFailures<Observers, Sim> || ...)) {
-    try {
-      steps();
-    } catch (const SimulationError& error) {
-      std::string words = error.what();
-      ((words += failed(observers, sim, error, since_forces())), ...);
-      if (last_agreed() == error.what()) last_agreed() = words;  // the message common to all ranks
-      throw SimulationError(words, error.step, error.particles, error.position);
-    }
-  } else {
+void run_observed(const Sim& sim, PastRuns& runs, const Steps& steps, const Since& since_forces,
+                  Observers&... observers) {
+  try {
     steps();
+  } catch (const SimulationError& error) {
+    throw_failure(sim, runs, error, since_forces, observers...);
   }
 }
 
