@@ -113,6 +113,7 @@ AXES = {
                           "ResolvedGrains", "VerletTime", "SymplecticTime",
                           "LeapfrogTime"],
         "sph/turbulence.hpp": ["SpsTurbulence"],
+        "sph/herschel_bulkley.hpp": ["HerschelBulkley"],
         "sph/volume.hpp": ["DriftingVolume", "RestoredVolume"],
         "sph/unresolved_grains.hpp": ["UnresolvedGrains"],
     }),

@@ -14,6 +14,7 @@
 #include <silt/core/random.hpp>
 #include <silt/coupling/averaging/diffusion.hpp>
 #include <silt/coupling/averaging/kernel.hpp>
+#include <silt/coupling/averaging/two_grid.hpp>
 #include <silt/coupling/averaging/unresolved.hpp>
 #include <silt/coupling/coupled_flow.hpp>
 #include <silt/coupling/drag/lone_sphere.hpp>

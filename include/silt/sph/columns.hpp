@@ -38,6 +38,7 @@ struct SphColumns {
   AlignedVector<double> voidage, share, fullness;
   AlignedVector<SphBrief> brief;    // of mixed precision
   AlignedVector<SphStress> stress;  // with SpsTurbulence
+  AlignedVector<double> viscosity;  // [m2/s] with HerschelBulkley; of solids 0
 
   std::size_t size() const { return rows.size(); }
   bool is_liquid(std::size_t k) const {
@@ -46,7 +47,7 @@ struct SphColumns {
   bool is_of_opening(std::size_t k) const {
     return label[k] >= of_openings && label[k] != ClusterLists::none;
   }
-  SphOfSolids of_solids() const { return {sticking, holds}; }
+  SphBeside beside() const { return {sticking, holds, viscosity}; }
   void add(const SphRow& row, int of_kind, std::uint32_t number) {
     rows.push_back(row), start.push_back(row);
     kind.push_back(static_cast<char>(of_kind)), label.push_back(number);
@@ -76,7 +77,7 @@ struct SphColumns {
            (growth.capacity() + spare_.growth.capacity()) * sizeof(SphGrowth) +
            images.capacity() * sizeof(SphImage) + (sticking.capacity() * sizeof(Vec3d)) +
            rates.capacity() * sizeof(SphRates) + brief.capacity() * sizeof(SphBrief) +
-           stress.capacity() * sizeof(SphStress);
+           stress.capacity() * sizeof(SphStress) + viscosity.capacity() * sizeof(double);
   }
 
  private:

@@ -21,6 +21,7 @@
 #include <silt/sph/driven_walls.hpp>
 #include <silt/sph/dry_gaps.hpp>
 #include <silt/sph/growth_sums.hpp>
+#include <silt/sph/herschel_bulkley.hpp>
 #include <silt/sph/lattice_sites.hpp>
 #include <silt/sph/ledger.hpp>
 #include <silt/sph/liquid_check.hpp>
@@ -364,7 +365,9 @@ struct SphCore {
     double dt = courant * h / (liquid.sound_speed + most.pair);
     if (most.acceleration > 0)
       dt = std::min(dt, std::min(courant, most_of_fall) * std::sqrt(h / most.acceleration));
-    if constexpr (requires { viscosity.longest_step(h, liquid.sound_speed); })
+    if constexpr (sph_varies<Viscosity>)
+      dt = std::min(dt, viscosity.longest_step(h, liquid.sound_speed, liquid.density));
+    else if constexpr (requires { viscosity.longest_step(h, liquid.sound_speed); })
       dt = std::min(dt, viscosity.longest_step(h, liquid.sound_speed));
     return dt;
   }
@@ -393,7 +396,7 @@ struct SphCore {
     shorten(pairs, liquid_packs, lists.first_pack(Lists::Probe), team,
             [&](std::size_t p) { return fresh || lists.sees_liquid(p); });
     fresh = false;
-    find_stresses(team);
+    find_stresses(team), sph_find_viscosities(*this, team);
     constexpr std::size_t W = Pairs::W, per = 16;
     const std::size_t packs = lists.first_pack(Lists::Wall);
     columns.growth.resize(columns.size());
@@ -403,7 +406,7 @@ struct SphCore {
       for (std::size_t p = part * per; p < std::min(packs, (part + 1) * per); ++p) {
         m.pair =
             std::max(m.pair, pairs.of_liquid(p, columns.rows, columns.volume, lists, columns.rates,
-                                             columns.growth, columns.brief, columns.of_solids()));
+                                             columns.growth, columns.brief, columns.beside()));
         if constexpr (turbulent)
           sps().accelerate(p, W, columns.rows, columns.volume, columns.stress, lists, columns.rates,
                            true);

@@ -51,7 +51,7 @@ void sph_find_growth(Core& core, double dt, const Team& team) {
   team.for_ranges(walls, Lists::packs_a_range, [&](std::size_t, std::size_t from, std::size_t to) {
     SphGrowth now[W];
     for (std::size_t p = from; p < to; ++p) {
-      pairs.growth_of_liquid(p, of.rows, of.volume, core.lists, now, of.brief, of.of_solids());
+      pairs.growth_of_liquid(p, of.rows, of.volume, core.lists, now, of.brief, of.beside());
       change(p, now, [&](std::size_t k, double parting) {
         core.part(k, of.start[k].density, parting, dt);
       });

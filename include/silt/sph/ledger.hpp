@@ -226,15 +226,15 @@ SphPowers sph_powers(Core& core, const Team& team) {
     if (!core.solids.has_row(k)) continue;
     const std::size_t row = core.solids.wall_row[k];
     surfaces[row - first] = {core.solids.own_velocity(k), sph_sticking(core, row),
-                             core.solids.is_wall(k) ? 0.0 : 1.0, of.of_solids().may_pull(row)};
+                             core.solids.is_wall(k) ? 0.0 : 1.0, of.beside().may_pull(row)};
   }
   const Sums sums(core.constants(), core.viscosity, core.diffusion);
   DynArray<SphPowers> parts((packs + per - 1) / per);
   team.for_parts(parts.size(), [&](std::size_t part) {
     for (std::size_t p = part * per; p < std::min(packs, (part + 1) * per); ++p)
       sums.add(
-          p, W, of.rows, then, of.volume, core.book.parted, surfaces, first, core.lists,
-          [&](std::size_t k) { return core.mass_of(k); }, parts[part]);
+          p, W, of.rows, then, of.volume, core.book.parted, of.viscosity, surfaces, first,
+          core.lists, [&](std::size_t k) { return core.mass_of(k); }, parts[part]);
   });
   SphPowers all;
   for (const SphPowers& p : parts) all.add(1, p);

@@ -63,7 +63,7 @@ class SphPowerSums {
       : slope_(c.normalisation / (c.h * c.h)), over_h_(1 / c.h) {
     small_ = sph_softening<Viscosity>() * c.h * c.h;
     if constexpr (Viscosity::artificial) damping_ = 2 * viscosity.alpha * c.sound * c.h;
-    if constexpr (Viscosity::laminar) drag_ = 4 * viscosity.kinematic * c.viscous;
+    if constexpr (Viscosity::laminar) drag_ = 4 * sph_kinematic(viscosity) * c.viscous;
     if constexpr (Diffusion::diffuses) delta_ = 2 * diffusion.delta * c.h * c.sound;
     still_ = (-c.density / (c.sound * c.sound)) * c.gravity;
   }
@@ -74,11 +74,13 @@ class SphPowerSums {
   template <class MassOf>
   void add(std::size_t pack, std::size_t width, std::span<const SphRow> rows,
            std::span<const SphRow> then, std::span<const double> volume,
-           std::span<const double> parted, std::span<const Surface> surfaces, std::size_t first,
-           const ClusterLists& lists, const MassOf& mass_of, SphPowers& to) const {
+           std::span<const double> parted, std::span<const double> viscosity,
+           std::span<const Surface> surfaces, std::size_t first, const ClusterLists& lists,
+           const MassOf& mass_of, SphPowers& to) const {
     for (std::size_t l = 0; l < width; l += lanes) {
       const std::size_t row = pack * width + l, n = std::min(lanes, width - l);
-      const Sums s = sums(row, n, rows, then, volume, parted, surfaces, first, lists, pack);
+      const Sums s =
+          sums(row, n, rows, then, volume, parted, viscosity, surfaces, first, lists, pack);
       const Real all[count] = {s.artificial, s.laminar,  s.diffusion, s.walls,
                                s.bodies,     s.at_walls, s.at_bodies};
       alignas(64) double of[count][lanes];
@@ -107,20 +109,33 @@ class SphPowerSums {
   }
   Sums sums(std::size_t row, std::size_t n, std::span<const SphRow> rows,
             std::span<const SphRow> then, std::span<const double> volume,
-            std::span<const double> parted, std::span<const Surface> surfaces, std::size_t first,
-            const ClusterLists& lists, std::size_t pack) const {
-    alignas(64) double of[12][lanes];
+            std::span<const double> parted, std::span<const double> viscosity,
+            std::span<const Surface> surfaces, std::size_t first, const ClusterLists& lists,
+            std::size_t pack) const {
+    constexpr bool varies = sph_varies<Viscosity>;
+    alignas(64) double of[13][lanes];
     for (std::size_t l = 0; l < lanes; ++l) {
       const SphRow &r = rows[row + std::min(l, n - 1)], &t = then[row + std::min(l, n - 1)];
       const Vec3d w = mean(r, t);
-      const double values[12] = {r.x,  r.y,  r.z,       w.x,
-                                 w.y,  w.z,  r.density, r.pressure,
-                                 t.vx, t.vy, t.vz,      parted[row + std::min(l, n - 1)]};
-      for (std::size_t c = 0; c < 12; ++c) of[c][l] = values[c];
+      const double values[13] = {r.x,
+                                 r.y,
+                                 r.z,
+                                 w.x,
+                                 w.y,
+                                 w.z,
+                                 r.density,
+                                 r.pressure,
+                                 t.vx,
+                                 t.vy,
+                                 t.vz,
+                                 parted[row + std::min(l, n - 1)],
+                                 varies ? viscosity[row + std::min(l, n - 1)] : 1};
+      for (std::size_t c = 0; c < 13; ++c) of[c][l] = values[c];
     }
     const auto x = load3<Real>(of[0], of[1], of[2]), v = load3<Real>(of[3], of[4], of[5]),
                v_then = load3<Real>(of[8], of[9], of[10]);
     const Real rho = load<Real>(of[6]), P = load<Real>(of[7]), share = load<Real>(of[11]);
+    [[maybe_unused]] const Real nu = load<Real>(of[12]);
     Sums s;
     const auto meet = [&](const ClusterLists::Entry& entry, auto solid) {
       const SphRow& b = rows[entry.row()];
@@ -138,7 +153,9 @@ class SphPowerSums {
       const Real wide = r2 + Real(small_);
       const Real over = rho * mf / (wide * (rho + Real(b.density)));
       const Real artificial = Real(damping_) * min(acting, Real(0)) * over;  // force over d
-      const Real laminar = Real(drag_) * acting * over * wide;
+      Real laminar = Real(drag_) * acting * over * wide;
+      if constexpr (varies)
+        laminar *= sph_viscosity_of_pair<!decltype(solid)::value>(nu, Real(viscosity[entry.row()]));
       if constexpr (!decltype(solid)::value) {
         if constexpr (Viscosity::artificial)
           s.artificial = multiply_add(Real(0.5) * artificial, along, s.artificial);

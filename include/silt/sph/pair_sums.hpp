@@ -43,6 +43,29 @@ constexpr double sph_softening() {
     return 0.01;
 }
 
+/// Whether a viscosity depends on the flow, so that each particle has its own.
+template <class Viscosity>
+inline constexpr bool sph_varies = requires {
+  requires Viscosity::varies;
+};
+/// [m2/s] Viscosity of all pairs; 1 if each particle has its own.
+template <class Viscosity>
+double sph_kinematic([[maybe_unused]] const Viscosity& of) {
+  if constexpr (sph_varies<Viscosity>)
+    return 1;
+  else
+    return of.kinematic;
+}
+/// Viscosity of a pair that varies, from both; one of a liquid and a solid, which has 0, has the
+/// liquid's.
+template <bool liquid, class Real>
+SILT_INLINE Real sph_viscosity_of_pair(const Real& a, const Real& b) {
+  if constexpr (liquid)
+    return Real(2) * a * b / (a + b);
+  else
+    return max(a, b);
+}
+
 /// Particles per pack, one per lane. Lists of larger packs contain more particles beyond the
 /// support: 16 floats pay only where AVX-512 is executed at its full width.
 template <class Scalar, class Arch>
@@ -103,7 +126,7 @@ class SphPairs {
     slope_ = volume_ * c.normalisation / (c.h * c.h);
     if constexpr (Viscosity::artificial) damping_ = Scalar(-2 * viscosity.alpha * mass * sound * h);
     if constexpr (Viscosity::laminar)
-      drag_ = Scalar(-4 * viscosity.kinematic * c.viscous * length_ / speed_ * mass);
+      drag_ = Scalar(-4 * sph_kinematic(viscosity) * c.viscous * length_ / speed_ * mass);
     if constexpr (Diffusion::diffuses) delta_ = 2 * diffusion.delta * c.h * c.sound * density_;
     const double still = -c.density / (c.sound * c.sound) * length_ / density_;
     const Vec3d& g = c.gravity;
@@ -144,11 +167,12 @@ class SphPairs {
   /// Computes the rates of a pack; returns the largest |h v.r/(r^2 + (0.1 h)^2)| [m/s].
   double of_liquid(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
                    const ClusterLists& lists, std::span<SphRates> out, std::span<SphGrowth> growth,
-                   std::span<const SphBrief> brief = {}, const SphOfSolids& solids = {}) const {
-    const Own own = own_of(pack, rows, brief);
+                   std::span<const SphBrief> brief = {}, const SphBeside& beside = {}) const {
+    Own own = own_of(pack, rows, brief);
+    take_viscosity(pack, beside, own);
     Totals totals;
-    add<true>(own, rows, volume, brief, {}, lists, lists.liquid(pack), totals);
-    add<false>(own, rows, volume, brief, solids, lists, lists.walls(pack), totals);
+    add<true>(own, rows, volume, brief, beside.of_liquid(), lists, lists.liquid(pack), totals);
+    add<false>(own, rows, volume, brief, beside, lists, lists.walls(pack), totals);
     put_growth(rows.data() + pack * W, totals, growth.data() + pack * W);
     return put(rows.data() + pack * W, totals, out.data() + pack * W);
   }
@@ -156,11 +180,11 @@ class SphPairs {
   void growth_of_liquid(std::size_t pack, std::span<const SphRow> rows,
                         std::span<const double> volume, const ClusterLists& lists,
                         std::span<SphGrowth> out, std::span<const SphBrief> brief = {},
-                        const SphOfSolids& solids = {}) const {
+                        const SphBeside& beside = {}) const {
     const Own own = own_of(pack, rows, brief);
     Totals totals;
     add<true, true>(own, rows, volume, brief, {}, lists, lists.liquid(pack), totals);
-    add<false, true>(own, rows, volume, brief, solids, lists, lists.walls(pack), totals);
+    add<false, true>(own, rows, volume, brief, beside, lists, lists.walls(pack), totals);
     put_growth(rows.data() + pack * W, totals, out.data());
   }
   void growth_of_wall(std::size_t pack, std::span<const SphRow> rows,
@@ -174,13 +198,14 @@ class SphPairs {
   /// The same for particles of walls, which interact only with the liquid.
   double of_wall(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
                  const ClusterLists& lists, std::span<SphRates> out, std::span<SphGrowth> growth,
-                 std::span<const SphBrief> brief = {}, const SphOfSolids& solids = {}) const {
+                 std::span<const SphBrief> brief = {}, const SphBeside& beside = {}) const {
     Own own = own_of(pack, rows, brief);
+    take_viscosity(pack, beside, own);
     alignas(64) Scalar least[W];
-    for (std::size_t l = 0; l < W; ++l) least[l] = least_sum(solids.may_pull(pack * W + l));
+    for (std::size_t l = 0; l < W; ++l) least[l] = least_sum(beside.may_pull(pack * W + l));
     own.least = load<Real>(least);
     Totals totals;
-    add<false>(own, rows, volume, brief, {}, lists, lists.liquid(pack), totals);
+    add<false>(own, rows, volume, brief, beside.of_liquid(), lists, lists.liquid(pack), totals);
     put_growth(rows.data() + pack * W, totals, growth.data() + pack * W);
     return put(rows.data() + pack * W, totals, out.data() + pack * W);
   }
@@ -242,7 +267,16 @@ class SphPairs {
     Vec3<Real> v;
     Real density, twice, pressure, damping, drag;  // twice: with the other's density, their sum
     Real least = Real(0);                          // of P_a + P_b at walls
+    Real viscosity = Real(0);                      // [m2/s] of one that varies
   };
+  static void take_viscosity([[maybe_unused]] std::size_t pack,
+                             [[maybe_unused]] const SphBeside& beside, [[maybe_unused]] Own& own) {
+    if constexpr (sph_varies<Viscosity>) {
+      alignas(64) Scalar of[W];
+      for (std::size_t l = 0; l < W; ++l) of[l] = Scalar(beside.viscosity[pack * W + l]);
+      own.viscosity = load<Real>(of);
+    }
+  }
   Own own_of(std::size_t pack, std::span<const SphRow> rows,
              std::span<const SphBrief> brief) const {
     using Whole = std::conditional_t<mixed, std::int32_t, double>;
@@ -314,21 +348,21 @@ class SphPairs {
 
   template <bool liquid, bool growth = false>
   SILT_INLINE void add(const Own& a, std::span<const SphRow> rows, std::span<const double> volume,
-                       std::span<const SphBrief> brief, const SphOfSolids& solids,
+                       std::span<const SphBrief> brief, const SphBeside& beside,
                        const ClusterLists& lists, std::span<const ClusterLists::Entry> entries,
                        Totals& totals) const {
     if constexpr (mixed) {
       for (std::size_t k = 0; k < entries.size(); k += chunk)
         add_some<liquid, growth>(
-            a, brief, solids, lists, entries.subspan(k, std::min(chunk, entries.size() - k)),
+            a, brief, beside, lists, entries.subspan(k, std::min(chunk, entries.size() - k)),
             [&](std::size_t row) { return brief[row].volume; }, totals);
     } else if (!entries.empty()) {
       add_some<liquid, growth>(
-          a, rows, solids, lists, entries, [&](std::size_t row) { return volume[row]; }, totals);
+          a, rows, beside, lists, entries, [&](std::size_t row) { return volume[row]; }, totals);
     }
   }
   template <bool liquid, bool growth, class Other, class Volume>
-  SILT_INLINE void add_some(const Own& a, std::span<const Other> others, const SphOfSolids& solids,
+  SILT_INLINE void add_some(const Own& a, std::span<const Other> others, const SphBeside& beside,
                             const ClusterLists& lists, std::span<const ClusterLists::Entry> entries,
                             const Volume& volume, Totals& totals) const {
     Sums part;
@@ -344,12 +378,14 @@ class SphPairs {
       const std::size_t row = entries[k].row();
       Surface with;
       if constexpr (!liquid) {
-        if (!solids.sticking.empty()) {
-          const Vec3d v = (1 / speed_) * solids.sticking[row];
+        if (!beside.sticking.empty()) {
+          const Vec3d v = (1 / speed_) * beside.sticking[row];
           with.stuck = {Scalar(v.x), Scalar(v.y), Scalar(v.z)};
         }
-        with.holds = solids.may_pull(row);
+        with.holds = beside.may_pull(row);
       }
+      if constexpr (sph_varies<Viscosity> && !growth)
+        with.viscosity = Scalar(beside.viscosity[row]);
       if constexpr (growth)
         spread_of<liquid>(a, now, *one, volume(row), with, part);
       else
@@ -380,6 +416,7 @@ class SphPairs {
   struct Surface {
     Vec3<Scalar> stuck{0, 0, 0};
     bool holds = false;
+    Scalar viscosity = 0;
   };
   /// Least P_a + P_b at a solid that holds liquid, or not.
   static constexpr Scalar least_sum(bool holds) { return holds ? Scalar(-1e30) : Scalar(0); }
@@ -438,7 +475,12 @@ class SphPairs {
     const Real approach = along * over;
     if constexpr (Viscosity::artificial)
       k = multiply_add(a.damping, mf * min(approach, Real(0)), k);
-    if constexpr (Viscosity::laminar) k = multiply_add(a.drag, mf * approach * wide, k);
+    if constexpr (Viscosity::laminar) {
+      Real drag = a.drag;
+      if constexpr (sph_varies<Viscosity>)
+        drag = drag * sph_viscosity_of_pair<liquid>(a.viscosity, Real(with.viscosity));
+      k = multiply_add(drag, mf * approach * wide, k);
+    }
     sum.push.x = multiply_add(k, dx, sum.push.x);
     sum.push.y = multiply_add(k, dy, sum.push.y);
     sum.push.z = multiply_add(k, dz, sum.push.z);

@@ -41,7 +41,8 @@ struct SphPolicies {
   static_assert(
       ((SphPolicy<Ps> || SphPrecision<Ps> || SphLedger<Ps>)&&...),
       "Sph: a policy is not one of those for SPH: a kernel (WendlandC2, CubicSpline), a "
-      "viscosity (ArtificialViscosity, LaminarViscosity, SpsTurbulence, Inviscid), a diffusion "
+      "viscosity (ArtificialViscosity, LaminarViscosity, SpsTurbulence, HerschelBulkley, "
+      "Inviscid), a diffusion "
       "(Fourtakas, MolteniColagrossi, NoDiffusion), Shifting, ShiftingByFastest or NoShifting, "
       "LeapfrogTime, SymplecticTime or VerletTime, MirroredWalls or DynamicWalls, Double or Mixed, "
       "UnresolvedGrains, RestoredVolume or DriftingVolume, EnergyLedger");

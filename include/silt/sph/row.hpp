@@ -37,11 +37,13 @@ struct SphGrowth {
   double parting = 0;  // by walls and bodies from which the particle parts, at most 0
 };
 
-/// What rows of walls and bodies have beside SphRow; empty: none of them has it.
-struct SphOfSolids {
-  std::span<const Vec3d> sticking{};  // [m/s] part of the velocity that only viscosities use
-  std::span<const char> holds{};      // 1: may pull the liquid
+/// What rows have beside SphRow, the first two of walls and bodies; empty: none of them has it.
+struct SphBeside {
+  std::span<const Vec3d> sticking{};    // [m/s] part of the velocity that only viscosities use
+  std::span<const char> holds{};        // 1: may pull the liquid
+  std::span<const double> viscosity{};  // [m2/s] of a viscosity that varies; of solids 0
   bool may_pull(std::size_t row) const { return !holds.empty() && holds[row] != 0; }
+  SphBeside of_liquid() const { return {{}, {}, viscosity}; }
 };
 
 /// What a mirror image keeps of the liquid it sees, for velocities at the end of a step.

@@ -190,7 +190,7 @@ void sph_solid_rates(Core& core, const Team& team, const IsAsked& is_asked) {
     for (std::size_t p = first + from; p < first + to; ++p) {
       if (!is_asked(p)) continue;
       pairs.of_wall(p, of.rows, of.volume, core.lists, of.rates, of.growth, of.brief,
-                    of.of_solids());
+                    of.beside());
       if constexpr (Core::turbulent)
         core.sps().accelerate(p, Core::Pairs::W, of.rows, of.volume, of.stress, core.lists,
                               of.rates, false);
