@@ -68,8 +68,11 @@ struct AreaFrame {
     way = way * (Real(1) / sqrt(max(dot(way, way), smallest<Real>())));
   }
   SILT_INLINE auto is_new() const { return !(dot(way, way) > Real(0.5)); }
-  /// The frame of a new contact: along the longer side of its region.
-  SILT_INLINE void begin(const Spread<Real>& spread, const Vec3<Real>& n) {
+  /// The frame of a new contact: along the longer side of its region, in the direction in which
+  /// `toward` leans, else in that of `velocity`. (Three points are not the same turned by half a
+  /// turn. By a convention of space the losses of a scene would depend on how it lies in space.)
+  SILT_INLINE void begin(const Spread<Real>& spread, const Vec3<Real>& n, const Vec3<Real>& toward,
+                         const Vec3<Real>& velocity) {
     const Real zero(0), half(0.5), tiny = smallest<Real>();
     Vec3<Real> s, t;
     tangents(n, s, t);
@@ -82,15 +85,24 @@ struct AreaFrame {
     const Real square = along_s * along_s + along_t * along_t;
     const auto is_round = !(square > Real(1e-20) * (ss + tt) * (ss + tt) + tiny);
     const Vec3<Real> longest = (along_s * s + along_t * t) * (Real(1) / sqrt(max(square, tiny)));
-    way = select(is_new(), select(is_round, s, longest), way);
+    const Vec3<Real> leans = toward - dot(toward, n) * n, slips = velocity - dot(velocity, n) * n;
+    const Real least = Real(1e-12) * dot(toward, toward), lean = dot(longest, leans);
+    const Real sense = select(lean * lean > least, lean, dot(longest, slips));
+    const Vec3<Real> any =
+        select(dot(leans, leans) > least, leans, select(dot(slips, slips) > tiny, slips, s));
+    const Vec3<Real> found =
+        select(is_round, any * (Real(1) / sqrt(max(dot(any, any), tiny))),
+               select(sense < zero, Vec3<Real>{-longest.x, -longest.y, -longest.z}, longest));
+    way = select(is_new(), found, way);
   }
-  /// The root of [a b; b c] is (it + sqrt(det) 1)/sqrt(trace + 2 sqrt(det)).
+  /// The root of [a b; b c] is (it + sqrt(det) 1)/sqrt(trace + 2 sqrt(det)). A region as small as
+  /// rounding may have any numbers: b is bounded such that the root exists.
   template <class Mask>
   SILT_INLINE void set_root(const Spread<Real>& spread, const Vec3<Real>& n, const Mask& where) {
     const Real zero(0), tiny = smallest<Real>();
     const Vec3<Real> beside = cross(n, way), of_way = spread.times(way);
-    const Real a = max(dot(way, of_way), zero), b = dot(beside, of_way),
-               c = max(dot(beside, spread.times(beside)), zero);
+    const Real a = max(dot(way, of_way), zero), c = max(dot(beside, spread.times(beside)), zero);
+    const Real most = sqrt(a * c), b = min(max(dot(beside, of_way), -most), most);
     const Real root = sqrt(max(a * c - b * b, zero));
     const Real scale = Real(std::sqrt(2.0) * area_factor) / sqrt(max(a + c + Real(2) * root, tiny));
     along = select(where, scale * (a + root), along), both = select(where, scale * b, both);
@@ -173,8 +185,9 @@ template <std::size_t N>
 struct AtAreaPoints {
   AreaBlock<N>& area;
   bool renew;  // recompute all points from the spread; else only those of new contacts
-  std::array<const double*, 3> levers;  // [m] of the points from the centres of i
-  const double* gradients = nullptr;    // of SolidContact, or null if all are 1
+  std::array<const double*, 3> levers;     // [m] of the points from the centres of i
+  const double* gradients = nullptr;       // of SolidContact, or null if all are 1
+  std::array<const double*, 3> between{};  // [m] from the centres of i to those of j; at walls null
 
   template <class ContactsType, class Arch, class Block, std::size_t H, class Losses>
   SILT_INLINE void loads(Block& block, std::size_t count, const StepTimes& times,
@@ -324,7 +337,10 @@ struct AtAreaPoints {
     frame.turn_with(kin.normal, cross(kin.normal, kin.change) + (step * kin.twist) * kin.normal);
     if (renew || any(is_new && touches)) {
       const Spread<Real> spread = area.template get_spread<Real>(k);
-      frame.begin(spread, kin.normal);
+      Vec3<Real> toward = load3<Real>(levers[0] + k, levers[1] + k, levers[2] + k);
+      if (between[0] != nullptr)  // the sum of both levers, so that i may be either
+        toward += toward - load3<Real>(between[0] + k, between[1] + k, between[2] + k);
+      frame.begin(spread, kin.normal, toward, kin.velocity);
       frame.set_root(spread, kin.normal, is_new || Mask<Real>(renew));
     }
     const Vec3<Real> way = select(touches, frame.way, {Real(0), Real(0), Real(0)});
@@ -356,5 +372,8 @@ struct AtAreaPoints {
 };
 template <std::size_t N>
 AtAreaPoints(AreaBlock<N>&, bool, std::array<const double*, 3>, const double*) -> AtAreaPoints<N>;
+template <std::size_t N>
+AtAreaPoints(AreaBlock<N>&, bool, std::array<const double*, 3>, const double*,
+             std::array<const double*, 3>) -> AtAreaPoints<N>;
 
 }  // namespace silt::detail

@@ -220,11 +220,13 @@ class ConvexPairs {
     const Stage stage{scene.in.times, scene.table, scene.fluxes};
     const Ends ends{scene, open, c, from, has_gradient<A, B>, has_area};
     if constexpr (has_area)
-      stage.run(c.kinematics, count, kinds, history, ends, tally,
-                AtAreaPoints{c.area,
-                             !Touch::template in_lanes<A, B> || scene.in.times.renew_areas,
-                             {c.arm_i[0], c.arm_i[1], c.arm_i[2]},
-                             has_gradient<A, B> ? c.gradient : nullptr});
+      stage.run(
+          c.kinematics, count, kinds, history, ends, tally,
+          AtAreaPoints{c.area,
+                       !Touch::template in_lanes<A, B> || scene.in.times.renew_areas,
+                       {c.arm_i[0], c.arm_i[1], c.arm_i[2]},
+                       has_gradient<A, B> ? c.gradient : nullptr,
+                       {open.between[0] + from, open.between[1] + from, open.between[2] + from}});
     else
       stage.run(c.kinematics, count, kinds, history, ends, tally, AtOnePoint<double>{});
     for (std::size_t h = more; h < H; ++h)
