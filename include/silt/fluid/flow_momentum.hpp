@@ -163,6 +163,7 @@ inline void stage(FlowState& state, const Three& q, bool second, double dt, Thre
                        row(state.spread),
                        {state.stride(0), state.stride(1), state.stride(2)},
                        state.stride(d),
+                       row(state.carried[c]),
                        {1 / state.h(0), 1 / state.h(1), 1 / state.h(2)},
                        1 / state.h(d),
                        state.fluid.density,
@@ -195,6 +196,18 @@ inline void stage(FlowState& state, const Three& q, bool second, double dt, Thre
                        state.tendency[c].row(j, k),
                        state.weight[c].row(j, k),
                        state.stress.empty() ? nullptr : state.stress[c].row(j, k)};
+      const auto enter = [&, first = from, end = to] {
+        for (const int side : {0, 1}) {
+          const int edge = side == 0 ? 0 : state.grid.cells()[c];
+          if (!state.sides.open(d, side) || (d == 1 && j != edge) || (d == 2 && k != edge))
+            continue;
+          for (int i = d == 0 ? edge : first; i < (d == 0 ? edge + 1 : end); ++i)
+            eddies   ? walled ? enter_at_rest<true, true>(r, i, 1 - 2 * side)
+                              : enter_at_rest<false, true>(r, i, 1 - 2 * side)
+              : walled ? enter_at_rest<true, false>(r, i, 1 - 2 * side)
+                     : enter_at_rest<false, false>(r, i, 1 - 2 * side);
+        }
+      };
       if (walled) {  // most of a box around a pipe is solid
         const auto open = state.solids->span(d, j, k);
         const int all_to = to;
@@ -209,6 +222,7 @@ inline void stage(FlowState& state, const Three& q, bool second, double dt, Thre
         walled ? stage_row<true, true>(r, from, to) : stage_row<false, true>(r, from, to);
       else
         walled ? stage_row<true, false>(r, from, to) : stage_row<false, false>(r, from, to);
+      enter();
     });
     state.fill_velocity(d, out[c]);
   }

@@ -44,6 +44,7 @@ struct StageRow {
   const double* spread;    // [1/s] divergence of the velocity, in cells
   std::ptrdiff_t step[3];  // from a value to the next in each direction
   std::ptrdiff_t own;      // step in the direction of the component
+  const double* flow_own;  // [m/s] `flow` in that direction
   double over_h[3];        // [1/m]
   double over_own;         // [1/m] in that direction
   double density, viscosity, per_step;  // [kg/m3], [Pa s], [kg/(m3 s)] density over time step
@@ -177,6 +178,22 @@ SILT_ONE_COPY void stage_row(const StageRow& row, int from, int to) {
     store_any(r.to + i, u);
     if (r.second) store_any(r.weight + i, weight);
   });
+}
+
+/// Value i of a stage, on an Outflow: what flows in there comes from fluid at rest and carries no
+/// momentum, as explicit_terms() has it. `way` 1: at the lower end, -1: at the upper one.
+template <bool Walled, bool Turbulent>
+SILT_ONE_COPY void enter_at_rest(const StageRow& r, int i, int way) {
+  const double in = 0.5 * way * (r.flow_own[i - r.own] + r.flow_own[i]);
+  if (!(in > 0) || (Walled && !(r.area[i] > 0))) return;
+  const auto mean = [&](const double* c) { return 0.5 * (c[i - r.own] + c[i]); };
+  const double eps_f = r.averaged ? mean(r.eps) : 1;
+  double t = -r.density * r.over_own * in * r.q[i];
+  double D = r.per_step * mean(r.next_mass) + mean(r.drag);
+  if constexpr (Walled) t *= 1 + r.thin[i], D += eps_f * r.wall_drag[i];
+  if constexpr (Turbulent) D += eps_f * r.turbulent_drag[i];
+  if (!r.second) r.tendency[i] += t;
+  r.to[i] += (r.second ? 0.5 : 1) * t / D;
 }
 
 /// Values from ... to-1 of a stage, all in solids.

@@ -170,10 +170,7 @@ class FlowSides {
               v[out] = 2 * given[k] - v[0], v[2 * out] = 2 * given[k] - v[-out];
             });
         } else if (free) {
-          for_edge(u, e, end, true, [&](double* v, std::size_t) {
-            // Backflow carries no momentum.
-            v[out] = v[2 * out] = (end == 1 ? v[0] : -v[0]) > 0 ? v[0] : 0;
-          });
+          for_edge(u, e, end, true, [&](double* v, std::size_t) { v[out] = v[2 * out] = v[0]; });
         } else {
           const bool flows_in = std::holds_alternative<Inflow>(side.kind);
           const double* const beside = eps.values().data() - (end == 1 ? out : 0);
