@@ -139,6 +139,14 @@ TEST_CASE("free walls: a body in flight follows the parabola and keeps its angul
             const Vec3d wanted = t * body.velocity + 0.5 * t * t * s.gravity;
             CHECK(norm(state.centre - wanted) < 1e-12);
             const Vec3d now = rotate(state.turn, state.momentum_now);
+            const auto along = [](const Vec3d& x, const Vec3d& w) { return dot(x, w) * x; };
+            const Vec3d w = s.wall("body").angular_velocity();
+            Vec3d by_hand{0, 0, 0};  // I w from the edges of the box
+            for (const auto& [edge, inertia] : {std::pair{Vec3d{1, 0, 0}, body.inertia.xx},
+                                                {Vec3d{0, 1, 0}, body.inertia.yy},
+                                                {Vec3d{0, 0, 1}, body.inertia.zz}})
+              by_hand += inertia * along(s.wall("body").pose.rotate(edge), w);
+            CHECK(norm(by_hand - now) < 1e-9 * norm(now));
             const double all = s.wall_energy("body").sum();
             if (s.step() == 0) first = now, energy = all;
             CHECK(norm(now - first) < 1e-12 * norm(first));

@@ -525,6 +525,28 @@ TEST_CASE("time_step: particles that speed up until the step is too long stop th
                                  "set a smaller Simulation::time_step or a softer material"}));
 }
 
+// Catches a step for a small gravity that is kept for a large one, in which particles are soon too
+// fast.
+TEST_CASE("time_step: a larger gravity in a later run chooses it anew") {
+  const auto after = [](double g, bool given) {
+    silt::Particles<silt::Sphere> p;
+    p.add({.position = {0, 0, 0.2}, .radius = 1e-3, .density = 2500});
+    silt::Simulation sim{
+        std::move(p), silt::Contacts<HertzMindlin>{{.youngs_modulus = 1e7, .poisson_ratio = 0.3}}};
+    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, sim.contacts().material(0));
+    sim.gravity = {0, 0, -1e-4};
+    if (given) sim.time_step = 1e-6;
+    sim.run(1e-3);
+    const double first = sim.step_length();
+    sim.gravity = {0, 0, -g};
+    sim.run(0.01);
+    return sim.step_length() / first;
+  };
+  CHECK(after(1000, false) == near(std::pow(1e-7, 0.1)).epsilon(0.02));  // Hertz: T ~ v^(-1/5)
+  CHECK(after(1e-4, false) == 1);
+  CHECK(after(1000, true) == 1);
+}
+
 TEST_CASE("time_step: where nothing moves it cannot be chosen, and the sentence says what to set") {
   auto sim = scene({{{0, 0, 0}}});
   CHECK(has_words(refusal<InputError>([&] { sim.run(1e-3); }),

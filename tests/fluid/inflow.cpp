@@ -190,6 +190,16 @@ TEST_CASE("inflows that cannot be are refused") {
   CHECK_THROWS_AS(flow.set_boundary({.distance = [](const Vec3d& x) { return x.z - 0.001; }}),
                   silt::InputError);
   CHECK(off(rate_of(flow), 1e-5) <= 1e-14);
+  // A velocity alone was accepted there, and nothing flowed.
+  FlowSolver closed(cells(6), liquid);
+  closed.set_side(2, 0, Inflow{.velocity = {0, 0, 1}});
+  std::string said;
+  try {
+    closed.set_boundary({.distance = [](const Vec3d& x) { return x.z - 0.001; }});
+  } catch (const silt::InputError& e) {
+    said = e.what();
+  }
+  CHECK(said.find("the lower side in z is all in walls of the FlowBoundary") != said.npos);
 }
 
 }  // namespace inflow_test

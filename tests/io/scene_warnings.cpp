@@ -608,6 +608,30 @@ TEST_CASE("scene_warnings: a surface velocity along the normal of a plane") {
   CHECK(is_silent(with_belt({0, 0, 0}, {0, 0, 0})));
 }
 
+// Catches an inlet whose particles are removed at once, and a centre of mass that was left out.
+TEST_CASE("scene_warnings: an inlet in an outlet, a free wall far from its centre of mass") {
+  const auto with = [](double top) {
+    auto sim = loose({.count = 0});
+    sim.add_inlet(Box{{0.001, 0.001, 0.03}, {0.019, 0.019, 0.035}},
+                  {.radius = 1e-3, .density = 2500, .rate = 100, .velocity = {0, 0, -0.1}});
+    sim.add_outlet({{-1, -1, 0.025}, {1, 1, top}});
+    return scene_warnings(sim);
+  };
+  CHECK(is_one(with(0.04), {"inlet 0 from", "lies in outlet 0", "move one of them"}));
+  CHECK(is_silent(with(0.033)));
+  const auto free_wall = [](const Vec3d& at) {
+    auto sim = boxed({});
+    const auto mesh = silt::box_mesh({0.5, 0.5, 0.5}, {0.52, 0.52, 0.52});
+    silt::FreeBody body = silt::free_body(mesh, 2000);
+    body.centre = at;
+    sim.add_wall(mesh, rubber, {.name = "box", .drive = body});
+    return scene_warnings(sim);
+  };
+  CHECK(is_one(free_wall({0, 0, 0}),
+               {"FreeBody.centre = (0, 0, 0) [m] of wall", "'box'", "outside of its surfaces"}));
+  CHECK(is_silent(free_wall({0.5, 0.5, 0.55})));
+}
+
 // Catches a mesh in mm that is read as if it were in m: a floor 1000 times as wide as the bed.
 TEST_CASE("scene_warnings: a mesh a thousand times as large as all particles") {
   const auto on_floor = [](double side, int count) {

@@ -149,6 +149,22 @@ TEST_CASE("SPH: fill, walls and runs that cannot be are refused") {
       "there is no wall 3");
 }
 
+// Catches a row of liquid that is lost at walls of 45 degrees through the corner of the region.
+TEST_CASE("SPH: a lattice whose rows lie on oblique walls is refused") {
+  const auto in_valley = [](double shift) {
+    const double s = 0.01, slope = std::sqrt(0.5);
+    Sph sph{water,
+            {.spacing = s, .region = {{-0.3 - shift * s, 0, 0}, {0.3, 0, 0.3}}, .dimensions = 2}};
+    sph.add_wall(Plane{{0, 0, 0}, {slope, 0, slope}});
+    sph.add_wall(Plane{{0, 0, 0}, {-slope, 0, slope}});
+    sph.fill([](const Vec3d& x) { return x.z < 0.2; });
+    return sph.mass() / (water.density * 0.2 * 0.2);
+  };
+  refuses<InputError>([&] { in_valley(0); },
+                      "40 places of the lattice lie on oblique walls and stay empty");
+  CHECK(in_valley(0.25) == near(1).epsilon(1e-3));
+}
+
 TEST_CASE("SPH: a fill that finds no place says which of its inputs leaves none") {
   const auto filled = [](const SphSetup& of, auto... walls) {
     return [=] {

@@ -140,6 +140,8 @@ struct Wall {
   }
   /// Velocity [m/s] at the point `place` of a driven wall, at the last half step.
   Vec3d driven_velocity(const Vec3d& place) const;
+  /// [rad/s] of a driven wall in space, at the present step.
+  Vec3d angular_velocity() const;
 };
 
 /// A wall, by number or name.
@@ -158,6 +160,14 @@ inline Vec3d Wall::driven_velocity(const Vec3d& place) const {
     return state.velocity + cross(w, place - state.centre);
   }
   return {0, 0, 0};
+}
+
+inline Vec3d Wall::angular_velocity() const {
+  if (const auto* d = std::get_if<ServoTorque>(&drive)) return state.rate_now * normalised(d->axis);
+  if (const auto* d = std::get_if<Hinge>(&drive)) return state.rate_now * normalised(d->axis);
+  if (!std::holds_alternative<FreeBody>(drive)) return {0, 0, 0};
+  const Vec3d &l = state.momentum_now, &I = state.principal;
+  return rotate(state.turn, {l.x / I.x, l.y / I.y, l.z / I.z});
 }
 
 namespace detail {

@@ -78,7 +78,11 @@ class FlowSides {
     for (int e = 0; e < 3; ++e)
       for (int end = 0; end < 2 && !grid_.periodic(e); ++end) {
         const auto* const in = std::get_if<Inflow>(&at(e, end).kind);
-        if (in == nullptr || !(in->rate || in->rate_in_time || in->outline)) continue;
+        if (in == nullptr) continue;
+        if (!(in->rate || in->rate_in_time || in->outline)) {
+          if (boundary) refuse_closed(e, end, area);
+          continue;
+        }
         set(e, end, FlowSide(at(e, end).kind));  // unscaled
         scale(e, end, boundary, area);
       }
@@ -347,6 +351,21 @@ class FlowSides {
     return out;
   }
   static double along(const Vec3d& v, int c) { return c == 0 ? v.x : c == 1 ? v.y : v.z; }
+  /// InputError for an inflow through faces that are all in walls of the boundary.
+  template <class Area>
+  void refuse_closed(int e, int end, const Area& area) const {
+    const auto& n = grid_.cells();
+    int face[3] = {0, 0, 0};
+    face[e] = end == 0 ? 0 : n[static_cast<std::size_t>(e)];
+    const int a = (e + 1) % 3, b = (e + 2) % 3;
+    for (face[b] = 0; face[b] < n[static_cast<std::size_t>(b)]; ++face[b])
+      for (face[a] = 0; face[a] < n[static_cast<std::size_t>(a)]; ++face[a])
+        if (area(e, face[0], face[1], face[2]) > 0) return;
+    require(false, "FlowSolver: the Inflow at the ", end == 0 ? "lower" : "upper", " side in ",
+            "xyz"[e],
+            " is all in walls of the FlowBoundary, and nothing can flow in; check the boundary's "
+            "Side and place, or the side of the inflow");
+  }
 
   template <class Area>
   void scale(int e, int end, const std::function<double(const Vec3d&)>& boundary,

@@ -316,6 +316,7 @@ template <class Sim>
   detail::warn_of_friction(sim, out), detail::warn_of_stiffness(sim, look, out);
   detail::warn_of_meshes(sim, look, out);
   detail::warn_of_belts(sim, out), detail::warn_of_late_motions(sim, out);
+  detail::warn_of_inlets(sim, out), detail::warn_of_centres(sim, out);
   return out;
 }
 

@@ -124,6 +124,35 @@ bool warn_of_emptying(const Sim& sim, const SceneLook& look, std::size_t outlet,
   return true;
 }
 
+/// An inlet in an outlet, which removes what it places.
+template <class Sim>
+void warn_of_inlets(const Sim& sim, DynArray<std::string>& out) {
+  for (std::size_t i = 0; i < sim.inlets(); ++i)
+    for (std::size_t k = 0; k < sim.outlets(); ++k) {
+      const Box &in = sim.inlet(i).bounds, &region = sim.outlet(k).region;
+      if (!region.contains(in.min) || !region.contains(in.max)) continue;
+      out.push_back(text("inlet ", i, " from ", in.min, " to ", in.max, " m lies in outlet ", k,
+                         ", which removes the particles that it places; move one of them"));
+    }
+}
+
+/// A free wall whose centre of mass is far outside of its surfaces, as one that was left out.
+template <class Sim>
+void warn_of_centres(const Sim& sim, DynArray<std::string>& out) {
+  for (std::size_t w = 0; w < sim.walls(); ++w) {
+    const Wall& wall = sim.wall(w);
+    const auto* body = std::get_if<FreeBody>(&wall.drive);
+    if (body == nullptr || !is_finite(wall.extent.min) || !is_finite(wall.extent.max)) continue;
+    const double size = norm(wall.extent.extent()),
+                 off = gap_between(Box{body->centre, body->centre}, wall.extent);
+    if (!(off > size)) continue;
+    out.push_back(text("FreeBody.centre = ", body->centre, " [m] of ", sim.wall_name(w), " is ",
+                       about(off), " m outside of its surfaces, which are ", about(size),
+                       " m across; give the centre of mass in the coordinates of the surfaces, as "
+                       "free_body(mesh, density) does"));
+  }
+}
+
 /// A wall that was added just now, in a scene that has run, and whose motion has moved it off the
 /// surface that was given. A wall that turns stays in its place.
 template <class Sim>

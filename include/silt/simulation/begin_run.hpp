@@ -3,6 +3,8 @@
 
 // Parts of Simulation: checks and preparations before the first step of a run.
 
+#include <utility>
+
 #include <silt/simulation.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -77,7 +79,10 @@ void Simulation<Policies...>::begin_run() {
   engine_.set_flux_coefficients(modules_, contacts_);
   if constexpr (has_breakage) this->prepare_breakage();
   if constexpr (!has_ranks) modules_.look_near(engine_, domain_, time_, true, true);
-  if (dt_ == 0 || (time_step && *time_step != dt_) || (scene_changed_ && is_step_too_long()) ||
+  const Vec3d before = std::exchange(past_runs_.gravity, gravity);
+  const bool falls_faster = dot(gravity, gravity) > dot(before, before);
+  if (dt_ == 0 || (time_step && *time_step != dt_) ||
+      ((scene_changed_ || falls_faster) && is_step_too_long()) ||
       (laws_changed_ && is_longer_than_own()))
     change_step(chosen_time_step());
   if (scene_changed_) checked_speed_ = 0;

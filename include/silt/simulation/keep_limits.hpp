@@ -45,7 +45,8 @@ void Simulation<Policies...>::keep_limits() {
                speed > engine_.largest_speed
                    ? text(" (of ",
                           detail::name_of_wall(engine_.walls, detail::fastest_wall(engine_)),
-                          ", which was slower where the step was chosen)")
+                          ", which was slower where the step was chosen; a motion that jumps has "
+                          "to be made continuous)")
                : fastest.is_of_tips() ? fastest.words()
                                       : text(" (of particle ", fastest.id, ')'),
                ", guard.max_time_step of the shortest contact that can happen: that ",

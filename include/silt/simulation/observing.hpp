@@ -17,6 +17,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/target.hpp>
+#include <silt/core/vec3.hpp>
 #include <silt/engine/contact/contact_events.hpp>
 #include <silt/engine/contact/contact_log.hpp>
 #include <silt/engine/contact/contact_record.hpp>
@@ -206,10 +207,11 @@ void observe_all([[maybe_unused]] Sim& sim, [[maybe_unused]] bool again, Observe
   return out;
 }
 /// What the runs of a simulation leave to later ones: the files that observers have begun to write,
-/// with the run in which, and the step in which a run failed.
+/// with the run in which, the step in which a run failed, and the gravity.
 class PastRuns {
  public:
   std::int64_t failed_at = -1;  // [-] step; -1: none has failed
+  Vec3d gravity{0, 0, 0};       // [m/s2] of the last one
 
   void begin_run() { ++run_; }
   /// Whether an earlier run has written the file, however its path is spelt. InputError if this run

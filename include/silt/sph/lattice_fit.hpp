@@ -71,4 +71,18 @@ inline void refuse_misfit(const WallParticles& walls, std::span<const Vec3d> liq
   }
 }
 
+/// Refuses liquid of which whole rows lie on oblique walls, as on those at 45 degrees through the
+/// corner of the region: half of these sites should be liquid, and none is.
+inline void refuse_sites_on_walls(std::size_t on_walls, std::size_t liquid, const SphSetup& setup) {
+  constexpr double most = 0.015;  // [-]
+  const double lost = 0.5 * static_cast<double>(on_walls) / static_cast<double>(liquid);
+  if (!(lost > most)) return;
+  throw InputError(
+      sentence("Sph::fill: ", on_walls,
+               " places of the lattice lie on oblique walls and stay empty, which "
+               "leaves out ",
+               100 * lost, " % of the liquid; move SphSetup.region.min by a quarter of a spacing, ",
+               0.25 * setup.spacing, " m, along an axis"));
+}
+
 }  // namespace silt::detail

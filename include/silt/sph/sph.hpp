@@ -194,10 +194,13 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     std::unordered_set<std::uint64_t> taken;  // sites
     for (std::size_t k = 0; k < core().columns.size(); ++k)
       if (core().columns.is_liquid(k)) taken.insert(site_of(core().columns.rows[k].position()));
+    std::size_t lost_sites = 0;  // on walls
     detail::for_each_site(setup(), 0, [&](const Vec3d& site) {
-      if (!inside(site) || core().solids.walls.is_too_near(site, setup().spacing) ||
-          core().openings.hold(site))
+      if (!inside(site) || core().openings.hold(site)) return;
+      if (core().solids.walls.is_too_near(site, setup().spacing)) {
+        lost_sites += core().solids.walls.lies_on(site, setup().spacing);
         return;
+      }
       require(taken.count(site_of(site)) == 0, "Sph::fill: there is liquid at ", site,
               " m already; fill each place once");
       Row r{};
@@ -212,7 +215,10 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     if (core().next_number == before)
       throw InputError(text("Sph::fill: there is no place for liquid: ",
                             detail::sph_why_empty(setup(), core().solids.walls, inside)));
-    if (core().steps == 0) detail::refuse_misfit(core().solids.walls, places(before), setup());
+    if (core().steps == 0) {
+      detail::refuse_misfit(core().solids.walls, places(before), setup());
+      detail::refuse_sites_on_walls(lost_sites, core().next_number - before, setup());
+    }
     core().renewed(), reading_.known = false;
     if (!core().solids.bodies.empty()) core().make_room_for_bodies();
     return core().next_number - before;

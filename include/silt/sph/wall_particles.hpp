@@ -188,9 +188,12 @@ class WallParticles {
   bool is_too_near(const Vec3d& x, double spacing) const {
     const Nearest to = nearest(x);
     if (!(to.distance < 0.499 * spacing)) return false;
-    const Vec3d& n = to.normal;
-    const bool across = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}) > 1 - 1e-9;
-    return across || to.distance < on_wall * spacing;
+    return is_across(to.normal) || to.distance < on_wall * spacing;
+  }
+  /// Whether a site too near to a wall lies on an oblique or curved one.
+  bool lies_on(const Vec3d& x, double spacing) const {
+    const Nearest to = nearest(x);
+    return std::abs(to.distance) < on_wall * spacing && !is_across(to.normal);
   }
   /// "'lid'", or its number.
   std::string called(std::size_t wall) const { return walls_[wall].called(wall); }
@@ -293,6 +296,9 @@ class WallParticles {
   }
 
  private:
+  static bool is_across(const Vec3d& n) {
+    return std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}) > 1 - 1e-9;
+  }
   template <class Of>
   double most_at_corners(const Of& of) const {
     double most = 0;
