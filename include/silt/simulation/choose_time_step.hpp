@@ -189,8 +189,8 @@ double Simulation<Policies...>::chosen_time_step() const {
     return step_for(0, INFINITY);  // bonds alone set it, such as of a net that a force loads
   require(speed > 0,
           "the time step cannot be chosen: nothing moves and there is no gravity; set "
-          "sim.gravity = {0, 0, -9.81} [m/s2] or a velocity, or where nothing is to move "
-          "Simulation::time_step [s]");
+          "sim.gravity = {0, 0, -9.81} [m/s2] or a velocity, or Simulation::time_step [s] where "
+          "nothing is to move, or a flow or a module moves it later");
   require(shortest.has_value(),
           "the time step cannot be chosen: the contact law does not say how long a contact lasts; "
           "give it contact_time() (silt/contact/concept.hpp), or set Simulation::time_step [s]");
