@@ -143,6 +143,12 @@ template <class... Parts>
   return join({parts...}, Digits::Six);
 }
 
+/// As text(), with numbers of up to nine digits, for messages in the middle of a run.
+template <class... Parts>
+[[gnu::cold]] std::string readable(const Parts&... parts) {
+  return join({parts...}, Digits::Readable);
+}
+
 /// Length [bytes] of the first character of `words` if it is printable; 0 for a control character
 /// or invalid UTF-8.
 [[gnu::cold]] inline std::size_t printable_length(std::string_view words) {

@@ -54,11 +54,12 @@ class ContactCheck {
       const std::uint32_t a = places_[p], b = places_[q];
       const bool both_fixed = e.particles.motion[a].inv_m == 0 && e.particles.motion[b].inv_m == 0;
       if (both_fixed || std::binary_search(listed_.begin(), listed_.end(), key(a, b))) continue;
-      throw SimulationError(text("step ", sim.step(), ", t = ", sim.time(), " s: particles ",
-                                 sim.id(a), " and ", sim.id(b), " touch near ", sim.position(a),
-                                 " m, but the neighbour search has not listed them; use another "
-                                 "search: this one loses contacts"),
-                            sim.step(), {sim.id(a), sim.id(b)}, sim.position(a));
+      throw SimulationError(
+          detail::readable("step ", sim.step(), ", t = ", sim.time(), " s: particles ", sim.id(a),
+                           " and ", sim.id(b), " touch near ", sim.position(a),
+                           " m, but the neighbour search has not listed them; use another "
+                           "search: this one loses contacts"),
+          sim.step(), {sim.id(a), sim.id(b)}, sim.position(a));
     }
     contacts_ += touching_.size();
   }

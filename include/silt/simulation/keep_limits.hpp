@@ -39,18 +39,19 @@ void Simulation<Policies...>::keep_limits() {
     if (shortest && dt > guard.max_time_step * shortest->time) {
       const auto fastest = detail::fastest_particle(engine_).speed;
       throw SimulationError(
-          text("step ", step_, ", t = ", time_, " s: the time step ", dt, " s is above its limit ",
-               guard.max_time_step * shortest->time, " s at the largest speed ", checked_speed_,
-               " m/s",
-               speed > engine_.largest_speed
-                   ? text(" (of ",
-                          detail::name_of_wall(engine_.walls, detail::fastest_wall(engine_)),
-                          ", which was slower where the step was chosen; a motion that jumps has "
-                          "to be made continuous)")
-               : fastest.is_of_tips() ? fastest.words()
-                                      : text(" (of particle ", fastest.id, ')'),
-               ", guard.max_time_step of the shortest contact that can happen: that ",
-               detail::describe(*shortest, contacts_), step_advice()),
+          detail::readable(
+              "step ", step_, ", t = ", time_, " s: the time step ", dt, " s is above its limit ",
+              guard.max_time_step * shortest->time, " s at the largest speed ", checked_speed_,
+              " m/s",
+              speed > engine_.largest_speed
+                  ? text(" (of ",
+                         detail::name_of_wall(engine_.walls, detail::fastest_wall(engine_)),
+                         ", which was slower where the step was chosen; a motion that jumps has "
+                         "to be made continuous)")
+              : fastest.is_of_tips() ? fastest.words()
+                                     : text(" (of particle ", fastest.id, ')'),
+              ", guard.max_time_step of the shortest contact that can happen: that ",
+              detail::describe(*shortest, contacts_), step_advice()),
           step_, {}, {});
     }
   }

@@ -154,14 +154,15 @@ void Simulation<Policies...>::renew_fluid() {
     throw;
   } catch (const FlowStepError& error) {
     const int fewer = static_cast<int>(error.longest / dt_);
-    throw SimulationError(text("step ", step_, ", t = ", time_, " s: ", error.what(),
-                               fewer >= 1 ? text(", ", fewer, " particle steps of now ", steps,
-                                                 ": by CoupledFlow.steps or most_steps")
-                                          : text(", by a Simulation::time_step of less than that")),
-                          step_, {}, {});
+    throw SimulationError(
+        detail::readable("step ", step_, ", t = ", time_, " s: ", error.what(),
+                         fewer >= 1 ? text(", ", fewer, " particle steps of now ", steps,
+                                           ": by CoupledFlow.steps or most_steps")
+                                    : text(", by a Simulation::time_step of less than that")),
+        step_, {}, {});
   } catch (const Error& error) {
-    throw SimulationError(text("step ", step_, ", t = ", time_, " s: ", error.what()), step_, {},
-                          {});
+    throw SimulationError(detail::readable("step ", step_, ", t = ", time_, " s: ", error.what()),
+                          step_, {}, {});
   }
   fluid_.clock.time = time_ + (steps - 1 + Integrator::first_kick) * dt_;  // exact to rounding
   take_fluid_loads(span);
@@ -171,8 +172,8 @@ void Simulation<Policies...>::renew_fluid() {
     } catch (const InputError&) {
       throw;
     } catch (const Error& error) {
-      throw SimulationError(text("step ", step_, ", t = ", time_, " s: ", error.what()), step_, {},
-                            {});
+      throw SimulationError(detail::readable("step ", step_, ", t = ", time_, " s: ", error.what()),
+                            step_, {}, {});
     }
 }
 

@@ -127,12 +127,13 @@ void Simulation<Policies...>::check_module_rates() const {
   const double dt = coming_step();
   if (most.rate * dt <= guard.max_rate) return;
   const auto p = engine_.owner(most.particle);
-  throw SimulationError(text("step ", step_, ", t = ", time_, " s: the modules' rate of particle ",
-                             p.id(), " is ", most.rate, " 1/s, ", most.rate * dt,
-                             " over the time step of ", dt, " s, where guard.max_rate is ",
-                             guard.max_rate, "; set Simulation::time_step to less than ",
-                             detail::below(guard.max_rate / most.rate), " s"),
-                        step_, {p.id()}, p.centre());
+  throw SimulationError(
+      detail::readable("step ", step_, ", t = ", time_, " s: the modules' rate of particle ",
+                       p.id(), " is ", most.rate, " 1/s, ", most.rate * dt,
+                       " over the time step of ", dt, " s, where guard.max_rate is ",
+                       guard.max_rate, "; set Simulation::time_step to less than ",
+                       detail::below(guard.max_rate / most.rate), " s"),
+      step_, {p.id()}, p.centre());
 }
 
 }  // namespace silt

@@ -181,9 +181,9 @@ class BreakStage {
     const auto wanted = [&](bool holds, const char* function, double gives) {
       if (!holds) [[unlikely]]
         throw SimulationError(
-            text("t = ", time, " s: ", function, " gives ", gives, " for particle ", p.id(),
-                 " of diameter ", impact.diameter, " m, strength ", own.strength, ", hit at ",
-                 note.speed, " m/s; mend that function"),
+            readable("t = ", time, " s: ", function, " gives ", gives, " for particle ", p.id(),
+                     " of diameter ", impact.diameter, " m, strength ", own.strength, ", hit at ",
+                     note.speed, " m/s; mend that function"),
             0, {p.id()}, p.centre());
     };
     wanted(load >= 0 && std::isfinite(load), "the equivalence's load()", load);

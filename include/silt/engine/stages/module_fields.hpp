@@ -42,11 +42,12 @@ void check_given_fields([[maybe_unused]] const Engine& e, [[maybe_unused]] std::
       while (std::isfinite(numbers[n])) ++n;
       const Seen p = e.seen(k, time);
       throw SimulationError(
-          text("step ", step, ", t = ", time, " s: the field '",
-               FieldNames<M>::at(n / FieldNames<M>::components), "' of particle ", p.id, " at ",
-               p.position, " m is ", numbers[n],
-               ", which must be finite; it began so, or an observer, or the program between two "
-               "runs, has set it"),
+          readable(
+              "step ", step, ", t = ", time, " s: the field '",
+              FieldNames<M>::at(n / FieldNames<M>::components), "' of particle ", p.id, " at ",
+              p.position, " m is ", numbers[n],
+              ", which must be finite; it began so, or an observer, or the program between two "
+              "runs, has set it"),
           step, {p.id}, p.position);
     }
 }
@@ -67,11 +68,12 @@ void stop_at_field(const M& module, const Engine& e, std::int64_t step, double t
                       FlowsInPairs<M>
                           ? " from others; mend the module's flux(), pair_flux() or at_wall()"
                           : " from its contacts; mend the module's flux() or at_wall()");
-      throw SimulationError(text("step ", step, ", t = ", time, " s: the field '",
-                                 FieldNames<M>::at(n / FieldNames<M>::components),
-                                 "' of the module ", name_of_module<M>(), " became ", numbers[n],
-                                 " for particle ", p.id, " at ", p.position, " m", mend),
-                            step, {p.id}, p.position);
+      throw SimulationError(
+          readable("step ", step, ", t = ", time, " s: the field '",
+                   FieldNames<M>::at(n / FieldNames<M>::components), "' of the module ",
+                   name_of_module<M>(), " became ", numbers[n], " for particle ", p.id, " at ",
+                   p.position, " m", mend),
+          step, {p.id}, p.position);
     }
     if (!allows_fields(module, own)) {
       const Seen p = e.seen(k, time);

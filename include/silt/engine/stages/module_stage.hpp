@@ -326,11 +326,11 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
       const Vec3d& force = near.template of<M>().force[k];
       if (!is_finite(force)) {
         const Seen p = e.seen(k, when.time);
-        throw SimulationError(
-            text("step ", when.step, ", t = ", when.time,
-                 " s: the sum of pair_force() of the module ", name_of_module<M>(), " on particle ",
-                 p.id, " at ", p.position, " m is ", force, " N; mend its pair_force()"),
-            when.step, {p.id}, p.position);
+        throw SimulationError(readable("step ", when.step, ", t = ", when.time,
+                                       " s: the sum of pair_force() of the module ",
+                                       name_of_module<M>(), " on particle ", p.id, " at ",
+                                       p.position, " m is ", force, " N; mend its pair_force()"),
+                              when.step, {p.id}, p.position);
       }
     }
     if constexpr (Pushes<M>) {
@@ -338,10 +338,11 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
       const Push push = push_of(get<M>(), p, fields_of<M>(e.modules(), k));
       if (is_finite(push.force) && is_finite(push.torque)) return;
       throw SimulationError(
-          text("step ", when.step, ", t = ", when.time, " s: the force of the module ",
-               name_of_module<M>(), " on particle ", p.id, " at ", p.position, " m is ", push.force,
-               " N", List::turn ? text(" with a torque of ", push.torque, " N m") : "",
-               "; mend its force()"),
+          readable("step ", when.step, ", t = ", when.time, " s: the force of the module ",
+                   name_of_module<M>(), " on particle ", p.id, " at ", p.position, " m is ",
+                   push.force, " N",
+                   List::turn ? text(" with a torque of ", push.torque, " N m") : "",
+                   "; mend its force()"),
           when.step, {p.id}, p.position);
     }
   }
