@@ -337,10 +337,12 @@ struct AtAreaPoints {
     frame.turn_with(kin.normal, cross(kin.normal, kin.change) + (step * kin.twist) * kin.normal);
     if (renew || any(is_new && touches)) {
       const Spread<Real> spread = area.template get_spread<Real>(k);
-      Vec3<Real> toward = load3<Real>(levers[0] + k, levers[1] + k, levers[2] + k);
-      if (between[0] != nullptr)  // the sum of both levers, so that i may be either
-        toward += toward - load3<Real>(between[0] + k, between[1] + k, between[2] + k);
-      frame.begin(spread, kin.normal, toward, kin.velocity);
+      if (any(is_new)) {
+        Vec3<Real> toward = load3<Real>(levers[0] + k, levers[1] + k, levers[2] + k);
+        if (between[0] != nullptr)  // the sum of both levers, so that i may be either
+          toward += toward - load3<Real>(between[0] + k, between[1] + k, between[2] + k);
+        frame.begin(spread, kin.normal, toward, kin.velocity);
+      }
       frame.set_root(spread, kin.normal, is_new || Mask<Real>(renew));
     }
     const Vec3<Real> way = select(touches, frame.way, {Real(0), Real(0), Real(0)});
