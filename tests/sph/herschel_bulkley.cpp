@@ -228,6 +228,17 @@ TEST_CASE("HerschelBulkley: momentum of a box that repeats, and the ledger of a 
   CHECK(e.laminar > 0.9 * lost);
 }
 
+// Catches a sentence about the Courant number where the viscosity limits the step.
+TEST_CASE("HerschelBulkley: a step beyond that of its viscosity is refused") {
+  Sph mud{Liquid{.density = 1000, .sound_speed = 10},
+          {.spacing = 0.01, .region = {{0, 0, 0}, {0.1, 0, 0.1}}, .dimensions = 2},
+          HerschelBulkley{.yield_stress = 10, .most_viscosity = 500}};
+  mud.fill([](const Vec3d&) { return true; });
+  const double h = mud.setup().h();
+  CHECK(mud.longest_step() == near(1000 * h * h / (8 * 500)));
+  CHECK(silt_test::has(silt_test::refusal([&] { mud.step(1e-4); }), "which the viscosity or the"));
+}
+
 TEST_CASE("HerschelBulkley: settings that cannot be are refused") {
   const auto with = [](const HerschelBulkley& of) {
     return silt_test::refusal([&] { of.check(); });
@@ -235,9 +246,12 @@ TEST_CASE("HerschelBulkley: settings that cannot be are refused") {
   CHECK(silt_test::has(with({.consistency = 1}), "HerschelBulkley.most_viscosity = 0"));
   CHECK(silt_test::has(with({.yield_stress = -1, .most_viscosity = 1}), "yield_stress = -1"));
   CHECK(silt_test::has(with({.consistency = -1, .most_viscosity = 1}), "consistency = -1"));
+  CHECK(silt_test::has(with({.consistency = 1}), "must be given, above 0"));
   CHECK(silt_test::has(with({.most_viscosity = 1}), "are both 0"));
+  CHECK(silt_test::has(with({.yield_stress = 10, .consistency = 100, .most_viscosity = 1}),
+                       "must be above the plastic viscosity consistency = 100 Pa s"));
   CHECK(silt_test::has(with({.consistency = 1, .index = 0, .most_viscosity = 1}), "index = 0"));
-  CHECK(silt_test::has(with({.consistency = 1, .most_viscosity = 1, .alpha = -1}), "alpha = -1"));
+  CHECK(silt_test::has(with({.consistency = 1, .most_viscosity = 2, .alpha = -1}), "alpha = -1"));
 }
 
 }  // namespace sph_herschel_bulkley_test

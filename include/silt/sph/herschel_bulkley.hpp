@@ -52,10 +52,18 @@ struct HerschelBulkley {
     require_not_negative("HerschelBulkley.consistency", consistency, "Pa s^index");
     require(index > 0 && index <= 3, "HerschelBulkley.index = ", index,
             " must be above 0, and at most 3; muds have 0.3 to 1");
-    require_positive("HerschelBulkley.most_viscosity", most_viscosity, "Pa s");
+    require(std::isfinite(most_viscosity) && most_viscosity > 0,
+            "HerschelBulkley.most_viscosity = ", most_viscosity,
+            " [Pa s] must be given, above 0: the mud creeps at the rate stress/most_viscosity "
+            "below its yield stress, and the time step is rho h^2/(8 most_viscosity)");
     require(yield_stress > 0 || consistency > 0,
             "HerschelBulkley: yield_stress and consistency are both 0; give one of them, or take "
             "Inviscid");
+    require(index != 1 || most_viscosity > consistency,
+            "HerschelBulkley.most_viscosity = ", most_viscosity,
+            " Pa s must be above the plastic viscosity consistency = ", consistency,
+            " Pa s, or the liquid is Newtonian with that of most_viscosity; take a hundred times "
+            "it, or LaminarViscosity");
     require(std::isfinite(alpha) && alpha >= 0, "HerschelBulkley.alpha = ", alpha,
             " must be at least 0; 0.01 keeps impacts calm");
   }

@@ -267,9 +267,13 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   void step(double dt, const Team& team = {}) {
     require(std::isfinite(dt) && dt > 0, "Sph::step: dt = ", dt, " s must be greater than 0");
     const double usual = longest_step(team), longest = core().stable_step(Core::Time::most_courant);
+    constexpr double any_courant = 1e6;
+    const bool by_sound = core().stable_step(any_courant) > longest;
     require(dt <= longest * (1 + 1e-9), "Sph::step: dt = ", dt, " s is longer than ", longest,
-            " s, which a Courant number of ", Core::Time::most_courant,
-            " gives in the present state; use longest_step(), now ", usual,
+            " s, which ",
+            by_sound ? text("a Courant number of ", Core::Time::most_courant, " gives")
+                     : "the viscosity or the acceleration of the liquid allows",
+            " in the present state; use longest_step(), now ", usual,
             " s, or run(duration), which chooses its steps");
     core().step(dt, team), reading_.known = false;
   }
