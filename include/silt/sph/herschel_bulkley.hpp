@@ -11,6 +11,7 @@
 #include <silt/core/lanes.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/sph/cluster_lists.hpp>
+#include <silt/sph/packed_rows.hpp>
 #include <silt/sph/pair_sums.hpp>
 #include <silt/sph/row.hpp>
 #include <silt/sph/terms.hpp>
@@ -119,18 +120,7 @@ class SphShear {
   struct Sums {
     Real of[sums];
   };
-  struct Packed {
-    Vec3<Real> x, v;
-    Packed(const SphRow* rows, std::size_t n) {
-      alignas(64) double of[6][lanes];
-      for (std::size_t l = 0; l < lanes; ++l) {
-        const SphRow& r = rows[std::min(l, n - 1)];
-        const double values[6] = {r.x, r.y, r.z, r.vx, r.vy, r.vz};
-        for (std::size_t c = 0; c < 6; ++c) of[c][l] = values[c];
-      }
-      x = load3<Real>(of[0], of[1], of[2]), v = load3<Real>(of[3], of[4], of[5]);
-    }
-  };
+  using Packed = SphPackedRows<Real, lanes>;
   SILT_INLINE void add(const Packed& a, const SphRow& b, const Vec3d& at, double volume,
                        Sums& s) const {
     const Real d[3] = {a.x.x - Real(at.x), a.x.y - Real(at.y), a.x.z - Real(at.z)};
