@@ -212,10 +212,10 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   double step_length() const { return dt_; }   // [s] in use
   /// True from a restart on until the end of the run that goes on from it.
   bool continued() const { return continued_; }
-  /// For observers that begin to write a file or series: whether they add to it. They do in a run
-  /// that goes on from a restart, and where an earlier run of this simulation has written it.
-  /// InputError if another observer of this run writes it.
-  bool continues(const std::string& file) const { return past_runs_.has_written(file) || continued_; }
+  /// For observers that begin to write a file or series: whether they add to it. They do after a
+  /// restart and in later runs. InputError if another observer of this run writes it.
+  bool continues(const std::string& file) const { return past_runs_.goes_on(file); }
+  bool has_begun(const std::string& file) const { return past_runs_.has_begun(file); }
   /// Whether observers were called at this instant, in this run or the one before.
   bool observed() const { return observed_; }
   using Readings = detail::ParticleReadings<Simulation>;

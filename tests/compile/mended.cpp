@@ -9,9 +9,6 @@
 
 #include "refused/scene.hpp"
 
-namespace bodies_in_deforming_box {
-#include "refused/bodies_in_deforming_box.cpp"
-}
 namespace gear_in_deforming_box {
 #include "refused/gear_in_deforming_box.cpp"
 }

@@ -8,10 +8,12 @@
 
 #include <engine/support.hpp>
 
+#include <silt/boundary/finite_walls.hpp>
 #include <silt/contact/hertz_mindlin.hpp>
 #include <silt/contact/linear_spring.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/contact_observers.hpp>
+#include <silt/search/nbs.hpp>
 
 #include "near.hpp"
 
@@ -116,6 +118,44 @@ TEST_CASE("two spheres, oblique, with losses: the energy that they have no longe
   CHECK(lost(silt::Mixed{}) == near(in_double).epsilon(1e-5));
   CHECK(lost(silt::KernelsFor<silt::OneLane>{}) == near(in_double).epsilon(1e-12));
   CHECK(lost(silt::EnergyLedger{}) == in_double);
+}
+
+// A search that keeps no list finds overlapping particles only. A contact that has just ended
+// overlaps no longer: its end, and the books of its last step, were lost.
+TEST_CASE("searches without a list see the end of each contact, and book the same") {
+  const HertzMindlin::Material soft{
+      .youngs_modulus = 1e8, .poisson_ratio = 0.3, .restitution = 0.5};
+  const auto impacts = [&](const auto& search) {
+    auto pair = two(2);
+    for (int k = 0; k < 3; ++k)  // at walls: at rest, rising, coming from aside
+      pair.add({.position = {0, 0.01 * (k + 1), 1.5e-3},
+                .radius = 1e-3,
+                .density = 2500,
+                .velocity = {0.1, 0, -1}});
+    silt::Simulation sim{std::move(pair), silt::Contacts<HertzMindlin>{soft}, search,
+                         silt::ContactEvents{}, silt::EnergyLedger{}};
+    sim.threads = 1, sim.time_step = 2e-6;
+    sim.add_wall(silt::rectangle({-5e-3, 5e-3, 0}, {1e-2, 0, 0}, {0, 1e-2, 0}), soft);
+    sim.add_wall(silt::rectangle({-5e-3, 1.5e-2, 0}, {1e-2, 0, 0}, {0, 1e-2, 0}), soft,
+                 silt::translation({0, 0, 0.5}));
+    sim.add_wall(silt::rectangle({-5e-3, 2.85e-2, -5e-3}, {1e-2, 0, 0}, {0, 0, 1e-2}), soft,
+                 silt::translation({0, 0.8, 0}));
+    const Events all = ended(sim, 3e-3);
+    return std::tuple(all, sim.energy());
+  };
+  const auto [all, books] = impacts(silt::VerletList<>{});
+  CHECK(all.size() == 4);
+  const auto same = [&](const auto& search) {
+    const auto [others, e] = impacts(search);
+    REQUIRE(others.size() == all.size());
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      CHECK(others[k].lost_energy == near(all[k].lost_energy).epsilon(1e-9));
+      CHECK(others[k].duration() == near(all[k].duration()).epsilon(1e-9));
+    }
+    CHECK(e.normal_damping == near(books.normal_damping).epsilon(1e-9));
+    CHECK(e.residual() == near(books.residual()).epsilon(1e-6));
+  };
+  same(silt::Nbs{}), same(silt::HashedGrid{}), same(silt::VerletList<silt::Nbs>{});
 }
 
 TEST_CASE("walls: a linear spring's impact, whatever the surface, and what a moving wall brings") {

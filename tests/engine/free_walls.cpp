@@ -647,6 +647,14 @@ TEST_CASE("drives: what cannot be is refused by name") {
                     silt::free_body(silt::open_box({0, 0, 0}, {1, 1, 1}), 1000);
                   }),
                   {"free_body", "not closed"}));
+  const auto cube = silt::box_mesh({0, 0, 0}, {1, 1, 1});
+  std::vector<std::array<Vec3d, 3>> doubled;
+  for (int copy = 0; copy < 2; ++copy)
+    for (const auto& [a, b, c] : cube.triangles())
+      doubled.push_back({cube.vertices()[a], cube.vertices()[b], cube.vertices()[c]});
+  CHECK(has_words(
+      refusal<silt::InputError>([&] { silt::free_body(silt::TriangleMesh(doubled), 1000); }),
+      {"free_body: the mesh holds 12 triangles twice", "remove the copies"}));
   CHECK(sim.walls() == 0);  // none of them left anything
 }
 

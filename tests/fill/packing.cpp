@@ -287,6 +287,9 @@ TEST_CASE("packing: requests that make no sense are refused by name") {
   };
   says(box, {.radius = 0.1, .count = 5, .solid_volume = 0.1},
        "FillRequest.count = 5 and FillRequest.solid_volume = 0.1 [m3] are both given");
+  // In mm: before it had drawn them all, memory ran out after minutes.
+  says(silt::Box{{0, 0, 0}, {100, 100, 200}}, {.radius = 1e-3},
+       "FillRequest: its region of 2e+06 m3 has the volume of 4.77465e+14 spheres");
   says(box, {.radius = 0.1, .gap = -1}, "FillRequest.gap = -1 [m]");
   says(box, {.radius = 0.1, .count = static_cast<std::size_t>(-5)},
        "is a negative number that was converted");

@@ -471,7 +471,7 @@ TEST_CASE("passing_series: files, restarts and surfaces that do not fit are refu
   silt::load_checkpoint(again, folder / "own");
   CHECK(has_words(refusal<InputError>([&] { again.run(0.01, series("e")); }),
                   {"passing_series '" + folder / "e' has its last row at t = ",
-                   "and the checkpoint is of t = ", "save by silt::checkpoints"}));
+                   "and this run begins at t = ", "save by silt::checkpoints"}));
   CHECK_NOTHROW(again.run(0.01, series("f")));
   // Surfaces, by the names of what counts.
   CHECK(has_words(refusal<InputError>([&] {

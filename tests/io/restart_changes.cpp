@@ -4,9 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -245,6 +248,44 @@ TEST_CASE("restart: another step, other threads, limits and observers") {
   Sim fenced = restarted();
   fenced.guard.domain = silt::Box{{0, 0, 0}, {8e-3, 8e-3, 2e-3}};
   CHECK_THROWS_AS(fenced.run(0.01), silt::SimulationError);
+}
+
+// A program in two phases, killed in the second: its first run after the restart is one of 0 s
+// without output, and the tables of the second began anew.
+TEST_CASE("restart: tables and series go on, even behind runs without them") {
+  const fs::path folder = fs::temp_directory_path() / "silt_restart_tables";
+  const std::string file = (folder / "heights.csv").string(), frames = (folder / "vtk").string();
+  settled();
+  const auto lines = [](const std::string& of) {
+    std::ifstream in(of);
+    return std::count(std::istreambuf_iterator<char>(in), {}, '\n');
+  };
+  for (const double between : {-1.0, 0.0, 2e-5}) {  // [s]; -1: no such run
+    fs::remove_all(folder), fs::create_directory(folder);
+    const auto measure = [&](Sim& sim, double duration) {
+      sim.run(duration,
+              silt::table(file, {"t [s]", "top [m]"}, silt::every(1e-3),
+                          [](const Sim& s) {
+                            return std::array{s.time(), top(s)};
+                          }),
+              silt::vtk_series(frames, silt::every(2e-3)));
+    };
+    Sim first = restarted();
+    measure(first, 4e-3);
+    CHECK(lines(file) == 1 + 4);
+    silt::save_checkpoint(first, path);
+    Sim second = restarted();
+    if (between >= 0) second.run(between);
+    measure(second, 4e-3);
+    CHECK(lines(file) == 1 + 8);
+    const std::string list = silt::detail::read_file(frames + "/particles.pvd");
+    std::size_t steps = 0;
+    for (auto at = list.find("<DataSet"); at != std::string::npos;
+         at = list.find("<DataSet", at + 1))
+      ++steps;
+    CHECK(steps == 4);
+  }
+  fs::remove_all(folder);
 }
 
 TEST_CASE("restart: outlets and inlets, where they are accepted") {

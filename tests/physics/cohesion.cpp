@@ -37,6 +37,22 @@ using Wet = Cohesive<HertzMindlin, CapillaryBridge>;
 /// Of a scale that a step of some 0.1 us sees well.
 const Dusty::Material dust{elastic, {.hamaker = 1e-13, .closest = 2e-6, .cutoff = 1e-4}};
 const Wet::Material wet{elastic, {.surface_tension = 0.072, .contact_angle = 0.3, .volume = 1e-12}};
+/// Folded by a box that repeats, the two spheres of padding were in one place, without a radius.
+template <class Material, class Law>
+void check_books_in_a_box(const Material& material, const Law&, double length) {
+  Particles<Sphere> three;
+  for (int n = 0; n < 3; ++n)
+    three.add({.position = {1e-2 + 2.2e-3 * n, 1e-2, 1e-2},
+               .radius = radius,
+               .density = density,
+               .velocity = {n == 0 ? 0.1 : 0.0, 0, 0}});
+  Simulation sim{std::move(three), Contacts<Law>{material}, EnergyLedger{},
+                 PeriodicBox{{{0, 0, 0}, {length, length, length}}, {true, true, true}}};
+  sim.threads = 1, sim.time_step = 2e-7;
+  sim.run(1e-6);
+  CHECK(sim.energy().initial == near(0.5 * density * sphere_volume(radius) * 0.01).epsilon(1e-12));
+  CHECK(std::abs(sim.energy().residual()) < 1e-12 * sim.energy().initial);
+}
 /// The dusty ones are in a box of one type throughout; here it repeats far away.
 const PeriodicBox room{{{-2, -2, -2}, {2, 2, 2}}, {false, true, false}};
 const Jkr::Material sticky{1e7, 0.25, 1, 1, 0.4};  // w = 1 J/m2, softened
@@ -343,6 +359,20 @@ TEST_CASE("cohesion: in mixed precision the same bounce") {
                       speed_after<Jkr>(sticky, v, plane, 2e-7), 1e-4));
   CHECK(near_relative(speed_after<Wet>(wet, 0.5, plane, 2e-7, Mixed{}),
                       speed_after<Wet>(wet, 0.5, plane, 2e-7), 1e-4));
+}
+
+TEST_CASE("cohesion: the books of spheres in a box that repeats are numbers, of any length") {
+  const Cohesive<HertzMindlin, ViscousBridge>::Material viscous{elastic,
+                                                                {.surface_tension = 0.072,
+                                                                 .contact_angle = 0.2,
+                                                                 .volume = 1e-12,
+                                                                 .viscosity = 1e-3,
+                                                                 .roughness = 1e-6}};
+  for (const double length : {0.02, 0.05, 0.0625}) {  // 1 m is a multiple of each
+    check_books_in_a_box(dust, Dusty{}, length);
+    check_books_in_a_box(wet, Wet{}, length);
+    check_books_in_a_box(viscous, Cohesive<HertzMindlin, ViscousBridge>{}, length);
+  }
 }
 
 TEST_CASE("cohesion: a range that would act through both faces of a repeating box is refused") {

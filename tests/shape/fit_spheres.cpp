@@ -99,6 +99,10 @@ TEST_CASE("What cannot be fitted is said") {
   auto open = cuboid({1, 1, 1});
   open.pop_back();
   CHECK(sentence(open, {}).find("not closed") != std::string::npos);
+  auto doubled = cuboid({1, 1, 1});
+  const auto once = doubled;
+  doubled.insert(doubled.end(), once.begin(), once.end());
+  CHECK(sentence(doubled, {}).find("fit_spheres: the mesh holds 12 triangles twice") == 0);
   CHECK(sentence(cuboid({1, 1, 1}, true), {}).find("face inwards") != std::string::npos);
   CHECK(sentence(cuboid({1, 1, 1}), {.spheres = 0}).find("spheres = 0") != std::string::npos);
   CHECK(sentence(cuboid({1, 1, 1}), {.resolution = 2}).find("resolution = 2") != std::string::npos);

@@ -57,10 +57,12 @@ struct BoxStress {
 /// p.
 /// Source: A. W. Lees, S. F. Edwards, J. Phys. C 5 (1972) 1921; P. J. Daivis, B. D. Todd, J. Chem.
 ///         Phys. 124 (2006) 194103 (SLLOD for all homogeneous flows); the servo is silt's own.
-/// Valid:  spheres without walls, inlets, outlets and fluid; edges of at least three diameters.
+/// Valid:  spheres and bodies without walls, inlets, outlets, gravity and fluid; edges of at least
+///         three diameters. A body's centre of mass moves with the flow; only contacts turn it.
 /// Units:  SI.
 /// Errors: InputError for an impossible box or deformation.
-/// Tests:  tests/engine/deforming_box.cpp, tests/physics/deforming_box.cpp.
+/// Tests:  tests/engine/deforming_box.cpp, tests/engine/deforming_box_bodies.cpp,
+///         tests/physics/deforming_box.cpp.
 class DeformingBox {
  public:
   static constexpr bool is_domain = true;
@@ -116,7 +118,8 @@ class DeformingBox {
   const Upper3& edges() const { return edges_; }          // [m] as columns
   const Vec3d& centre() const { return centre_; }
   const Deformation& deformation() const { return drives_; }
-  /// Stress of the particles in the last step, from contacts and velocities.
+  /// Stress of the particles in the last step, from contacts and from velocities relative to the
+  /// flow and to the mean of all.
   const BoxStress& stress() const { return stress_; }
   /// Velocity gradient of the box [1/s].
   const Upper3& gradient() const { return rate_; }
@@ -215,17 +218,21 @@ class DeformingBox {
     has_moved_ = true;
     return step;
   }
-  /// Kinetic part, relative to the flow: sum m c_a c_b [J] of the last step; mass [kg].
-  void set_kinetic(const Upper3& sum, double mass) { kinetic_ = sum, mass_ = mass; }
+  /// Kinetic part, relative to the flow: sum m c_a c_b [J] of the last step; momentum [kg m/s] and
+  /// mass [kg] of all. The motion of the sample as a whole is no stress.
+  void set_kinetic(const Upper3& sum, const Vec3d& momentum, double mass) {
+    kinetic_ = sum, mass_ = mass;
+    bulk_ = mass > 0 ? (1 / mass) * upper_outer(momentum, momentum) : Upper3{};
+  }
 
   // --- for checkpoints ----------------------------------------------------------------------
 
-  static constexpr std::size_t state_size = 10 * 6 + 3 + 6 * 4;
+  static constexpr std::size_t state_size = 11 * 6 + 3 + 6 * 4;
   DynArray<double> state() const {
     DynArray<double> s{work_, mass_, has_moved_ ? 1.0 : 0.0};
     const Upper3 stress{stress_.x, stress_.y, stress_.z, stress_.xy, stress_.xz, stress_.yz};
     for (const Upper3& m :
-         {edges_, rate_, step_gradient_, seen_, strain_, virial_, kinetic_, stress})
+         {edges_, rate_, step_gradient_, seen_, strain_, virial_, kinetic_, bulk_, stress})
       for (const double v : m.values()) s.push_back(v);
     for (const double v : bias_) s.push_back(v);
     for (const double v : {centre_.x, centre_.y, centre_.z, 0.0, 0.0, 0.0}) s.push_back(v);
@@ -248,7 +255,7 @@ class DeformingBox {
     work_ = s[0], mass_ = s[1], has_moved_ = s[2] != 0;
     Upper3 stress;
     for (Upper3* m :
-         {&edges_, &rate_, &step_gradient_, &seen_, &strain_, &virial_, &kinetic_, &stress})
+         {&edges_, &rate_, &step_gradient_, &seen_, &strain_, &virial_, &kinetic_, &bulk_, &stress})
       *m = Upper3::of(six());
     require(edges_.xx > 0 && edges_.yy > 0 && edges_.zz > 0,
             "DeformingBox: the state has an edge of length <= 0");
@@ -285,7 +292,7 @@ class DeformingBox {
       work_ -= dt * (0.5 * (inner(virial_, rate_) + inner(virial, step_gradient_)) +
                      inner(kinetic_, rate_));
     virial_ = virial;
-    const Upper3 p = (1 / volume()) * (virial_ + kinetic_);
+    const Upper3 p = (1 / volume()) * (virial_ + kinetic_ - bulk_);
     stress_ = {p.xx, p.yy, p.zz, -p.xy, -p.xz, -p.yz};
   }
   std::array<double, 6> pressures() const {
@@ -316,7 +323,7 @@ class DeformingBox {
   std::array<double, 3> inverse_{};     // [1/m]
   Upper3 rate_, step_gradient_, seen_;  // [1/s] of the step; for its end points; for velocities now
   Upper3 strain_;
-  Upper3 virial_, kinetic_;  // [J]
+  Upper3 virial_, kinetic_, bulk_;  // [J]
   BoxStress stress_;
   std::array<double, 6> bias_{};  // [1/s]
   double work_ = 0, mass_ = 0;    // [J], [kg]

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <silt/core/dyn_array.hpp>
+#include <silt/core/error.hpp>
 #include <silt/core/vec3.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -120,6 +121,26 @@ inline DynArray<EdgeUse> sorted_edge_uses(const DynArray<VertexTriple>& triangle
     }
   std::sort(uses.begin(), uses.end());
   return uses;
+}
+
+/// Number of triangles that have the corners of an earlier one, in the same order of turning.
+inline std::size_t repeated_triangles(const DynArray<VertexTriple>& triangles) {
+  DynArray<VertexTriple> turned;
+  for (VertexTriple t : triangles) {
+    std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+    turned.push_back(t);
+  }
+  std::sort(turned.begin(), turned.end());
+  std::size_t repeated = 0;
+  for (std::size_t k = 1; k < turned.size(); ++k) repeated += turned[k] == turned[k - 1];
+  return repeated;
+}
+/// InputError if triangles are given twice: the volume within them would count twice.
+inline void require_single(const char* of, const DynArray<VertexTriple>& triangles) {
+  const std::size_t repeated = repeated_triangles(triangles);
+  require(repeated == 0, of, ": the mesh holds ", repeated,
+          " triangles twice, and what they enclose would count twice; remove the copies (a program "
+          "for CAD or meshes calls this removing duplicate faces)");
 }
 
 /// True if every edge is traversed as often forwards as backwards: the triangles are consistently

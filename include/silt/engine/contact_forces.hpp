@@ -42,7 +42,11 @@ inline void Engine<Composition>::pair_forces(const Domain& domain, const StepTim
   if constexpr (convex) {
     using Pairs =
         ConvexPairs<typename ConvexRowsOf<ShapeType>::type, ContactsType, Domain, Arch, Fluxes>;
-    mover.convex_rows.measure_pace(particles.motion.data(), *team_, has_agreed_mean());
+    if constexpr (deforms<Domain>)
+      mover.convex_rows.measure_pace_in_flow(particles.position.data(), particles.motion.data(),
+                                             lists.upkeep.inner, domain, *team_);
+    else
+      mover.convex_rows.measure_pace(particles.motion.data(), *team_, has_agreed_mean());
     return take(Pairs::run({particles.position.data(), particles.motion.data(), &mover.convex_rows,
                             kinds_.data(), particles.material.data(), times},
                            lists.pairs, coefficients, domain, sums_.data(), *team_, &fluxes_));

@@ -50,25 +50,40 @@ inline void Engine<Composition>::drift(double time_step) {
 template <class Composition>
 inline void Engine<Composition>::kick_box(Domain& box, double time_step, bool first,
                                           bool observed) {
+  if constexpr (of_bodies)
+    if constexpr (!Mover::in_lanes) {
+      const auto load_of = [this](std::size_t row) {
+        return load_part<chunks>(sums_.data(), row, 0);
+      };
+      virial = virial - virial_of_arms(particles, mover.bodies, load_of, *team_);
+    }
   box_kick_ = box.choose_rates({virial, largest_overlap}, time_step, first);
-  add_flow(particles, box_kick_.all, box.centre(), *team_);
+  if constexpr (of_bodies)
+    mover.flow = {box.gradient(), box.centre()},
+    add_flow_to_bodies(mover.bodies, box_kick_.all, box.centre(), *team_);
+  else
+    add_flow(particles, box_kick_.all, box.centre(), *team_);
   if (!observed) box_kick_ = {};
 }
 
 template <class Composition>
 inline void Engine<Composition>::record_flow(const Domain& box) {
-  for (std::size_t k = 0; k < particles.size(); ++k)
-    if (!particles.is_parked(k))
-      mover.synchronous[k].velocity -=
-          box_kick_.too_much * (particles.position[k].centre() - box.centre());
+  for (std::size_t k = 0; k < this->owners(); ++k)
+    if (const auto p = this->owner(k); p.id() != no_particle)
+      mover.synchronous[k].velocity -= box_kick_.too_much * (p.centre() - box.centre());
 }
 
 template <class Composition>
 inline void Engine<Composition>::move_box(Domain& box, double time_step) {
   const auto& reach = lists.upkeep.per_inner2;
-  const auto pace = pace_in_flow(
-      particles, box, reach.size() < particles.size() ? nullptr : reach.data(), time_step, *team_);
-  box.set_kinetic(pace.kinetic, pace.mass);
+  FlowPace pace;
+  if constexpr (of_bodies)
+    pace = pace_of_bodies(particles, mover.bodies, box, time_step, *team_),
+    pace.largest_share = largest_share;
+  else
+    pace = pace_in_flow(particles, box, reach.size() < particles.size() ? nullptr : reach.data(),
+                        time_step, *team_);
+  box.set_kinetic(pace.kinetic, pace.momentum, pace.mass);
   const double s = 1 - time_step * box.squeeze_rate();
   lists.flow.follow(box.advance(time_step), s);
   lists.upkeep.used += pace.largest_share * time_step / lists.flow.pruned;

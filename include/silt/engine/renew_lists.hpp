@@ -81,6 +81,7 @@ inline void Engine<Composition>::renew_lists(Search& search, const Domain& domai
                                              std::int64_t step, double time_step) {
   if constexpr (of_ranks)
     if (!lists.hold(walls)) ranks.finish_refresh(particles, mover);
+  particles.keep_padding_apart(domain);
   lists.renew(scene(domain, time_step), search, step);
   if constexpr (Composition::has_bonds) begin_freed_at_walls(*this, ContactsType::offset_from);
   if (!lists.take_renewed()) return;

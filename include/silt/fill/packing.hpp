@@ -217,6 +217,16 @@ inline void require_radius(const char* of, const SizeDistribution& radius) {
           "distribution such as uniform(1e-3, 2e-3)");
 }
 
+/// Rows are numbered by 32 bits. A region that would take more spheres is most often given in mm.
+inline void check_number(const FillRequest& request, double volume) {
+  if (request.count != as_many_as_fit) return;
+  const double solid = request.solid_volume > 0 ? std::min(request.solid_volume, volume) : volume;
+  const double number = solid / request.radius.mean_volume();
+  constexpr double most = std::numeric_limits<std::uint32_t>::max();
+  require(number < most, "FillRequest: its region of ", readable(volume), " m3 has the volume of ",
+          readable(number), " spheres of the given radius, more than a simulation can hold (",
+          readable(most), "); are lengths in mm? Give the region in m, or a count");
+}
 /// A count of 0 is a mistake: often of a program that computes it, or it was meant as "no limit".
 inline void require_count(const char* of, std::size_t count) {
   require(count != 0, of,
@@ -418,6 +428,7 @@ FillResult pack(const R& region, const FillRequest& request,
                 std::span<const PlacedSphere> already = {}) {
   const auto& place = region_of(region);
   detail::check(place, request);
+  detail::check_number(request, place.volume());
   Random random(request.seed);
   auto radii = detail::draw_radii(request, place.volume(), random);
   SphereGrid occupied;

@@ -95,7 +95,8 @@ class Checkpoint<Sim>::Staged {
     sim.flux_every_ = clock_.flux_every;
     sim.next_ = {clock_.next_id, clock_.next_part};
     sim.first_kick_ = clock_.first_kick, sim.kicked_ = clock_.kicked, sim.continued_ = true;
-    sim.past_runs_.failed_at = -1, sim.past_runs_.gravity = sim.gravity;
+    sim.past_runs_.failed_at = -1, sim.past_runs_.restarted = true;
+    sim.past_runs_.gravity = sim.gravity;
     sim.observed_ = clock_.observed;
     sim.scene_changed_ = clock_.scene_changed || known_walls_ < e.walls.size();
     sim.laws_changed_ = laws_changed_;

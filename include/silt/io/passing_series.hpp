@@ -81,23 +81,24 @@ class PassingSeries {
         "time [s]",           "number forwards [-]", "number backwards [-]",
         "mass forwards [kg]", "mass backwards [kg]", "number rate [1/s]",
         "mass rate [kg/s]"};
-    const bool continues = sim.continues(path_);
+    const bool has_begun = sim.has_begun(path_), continues = sim.continues(path_);
     if (table_) return;
     const auto table = std::make_shared<CsvTable>(
         continues ? CsvTable::resume(path_, columns, sim.time() + 0.5 * sim.step_length())
                   : CsvTable(path_, columns));
-    if (!table->kept_row().empty()) check_row(sim, table->kept_row()[0]);
+    if (!table->kept_row().empty()) check_row(sim, table->kept_row()[0], has_begun);
     table_ = table;
   }
-  /// Whether the counts of the last row, at `last` [s], are those of this instant.
+  /// Whether the counts of the last row, at `last` [s], are those of this instant; `own`: a run of
+  /// this simulation has written it.
   template <class Sim>
-  void check_row(const Sim& sim, double last) const {
+  void check_row(const Sim& sim, double last, bool own) const {
     require(!counter_.options_.once, "passing_series '", path_,
             "' counts each particle once, and a table does not tell which ones have passed: in "
             "several runs give the same observer, a variable of the program; after a restart "
             "another file, where each may count once more");
-    require(!sim.continued() || PassingCounter::is_now(sim, last), "passing_series '", path_,
-            "' has its last row at t = ", last, " s, and the checkpoint is of t = ", sim.time(),
+    require(own || PassingCounter::is_now(sim, last), "passing_series '", path_,
+            "' has its last row at t = ", last, " s, and this run begins at t = ", sim.time(),
             " s: what has passed between is not known; save by silt::checkpoints in the same run, "
             "or behind a run with the series, or give the run that goes on another file");
   }

@@ -119,8 +119,8 @@ concept HasLiquidRegion = requires(const Sim& sim) {
   { sim.fluid().setup().region } -> std::convertible_to<Box>;
 };
 
-/// Particles, the region of a liquid, inlets, finite walls, walls of facing planes, and planes across an axis that are at
-/// most two extents of all these away. `radius` [m]: the largest.
+/// Particles, the region of a liquid, inlets, finite walls, walls of facing planes, and planes
+/// across an axis that are at most two extents of all these away. `radius` [m]: the largest.
 template <class Sim>
 [[gnu::cold]] Box region_of_scene(const Sim& sim, const Box& centres, double radius) {
   DynArray<PlaneAcross> planes;

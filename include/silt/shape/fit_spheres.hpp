@@ -168,7 +168,7 @@ inline void measure_surface(const TriangleMesh& mesh, SphereFit& fit) {
 ///   const silt::TriangleMesh mesh(silt::read_stl("stone.stl"));
 ///   const auto fit = silt::fit_spheres(mesh, {.spheres = 30});
 ///   const auto stone = particles.add_form(fit.form);
-/// Errors: InputError for a mesh that is not closed or inside out, or options out of range.
+/// Errors: InputError for a mesh that is not closed, inside out or doubled, or options out of range.
 /// Tests:  tests/shape/fit_spheres.cpp.
 inline SphereFit fit_spheres(const TriangleMesh& mesh, const SphereFitOptions& options = {}) {
   require(mesh.is_closed(),
@@ -176,6 +176,7 @@ inline SphereFit fit_spheres(const TriangleMesh& mesh, const SphereFitOptions& o
           "its triangles the same way round");
   require(mesh.volume() > 0, "fit_spheres: the volume of the mesh is ", mesh.volume(),
           " [m3]: its triangles face inwards; reverse them");
+  detail::require_single("fit_spheres", mesh.triangles());
   require(options.spheres > 0, "SphereFitOptions.spheres = 0 [-] must be at least 1");
   require(options.resolution >= 4 && options.resolution <= 200,
           "SphereFitOptions.resolution = ", options.resolution, " [-] must be from 4 to 200");

@@ -13,13 +13,15 @@ namespace silt::inline SILT_TARGET {
 /// Closed mesh as a rigid body of this density [kg/m3]: mass, centre and inertia of its interior,
 /// for either orientation of its triangles. Velocities are 0 until set.
 ///   silt::FreeBody body = silt::free_body(mesh, 7800);
-/// Errors: InputError for a mesh that is not closed, and a density that is not positive.
+/// Shells within shells, and parts of shells that overlap, count as often as they enclose a place.
+/// Errors: InputError for a mesh that is not closed or holds triangles twice, and a density that is not positive.
 /// Tests:  tests/engine/free_walls.cpp
 inline FreeBody free_body(const TriangleMesh& mesh, double density) {
   require_positive("free_body: density", density, "kg/m3");
   require(mesh.is_closed(),
           "free_body: the mesh is not closed and encloses no volume; close "
           "it, or give mass, inertia and centre of a FreeBody");
+  detail::require_single("free_body", mesh.triangles());
   DynArray<std::array<Vec3d, 3>> soup;
   const bool outwards = mesh.volume() > 0;
   for (const auto& [i, j, k] : mesh.triangles()) {

@@ -57,9 +57,9 @@ void Simulation<Policies...>::check_start() {
     detail::refuse_tension<typename ContactsType::Law>(domain_.deformation());
     require(!engine_.particles.some_fixed,
             "DeformingBox: a fixed particle cannot follow it; leave Particle.fixed out");
-    require(!has_ledger || dot(gravity, gravity) == 0,
-            "EnergyLedger in a DeformingBox needs Simulation::gravity = 0: what returns on the "
-            "other side has fallen without a floor");
+    require(dot(gravity, gravity) == 0, "DeformingBox: Simulation::gravity = ", gravity,
+            " [m/s2] must be 0, as nothing holds the particles: what falls out returns on the "
+            "other side, faster each time");
   }
   require(is_finite(gravity), "Simulation::gravity = ", gravity, " [m/s2] must be finite");
   book_gravity();

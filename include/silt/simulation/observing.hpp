@@ -212,16 +212,21 @@ class PastRuns {
  public:
   std::int64_t failed_at = -1;  // [-] step; -1: none has failed
   Vec3d gravity{0, 0, 0};       // [m/s2] of the last one
+  // The state is that of a checkpoint. It stays so in all later runs: the files that they write
+  // first may be those of the runs before the checkpoint.
+  bool restarted = false;
 
   void begin_run() { ++run_; }
-  /// Whether an earlier run has written the file, however its path is spelt. InputError if this run
-  /// does already.
-  bool has_written(const std::string& file) {
+  /// Whether a run of this simulation has begun to write the file, however its path is spelt.
+  bool has_begun(const std::string& file) const { return written_.count(plain_path(file)) > 0; }
+  /// Whether an observer adds to the file: one of an earlier run, or one of before a restart.
+  /// InputError if this run writes it already.
+  bool goes_on(const std::string& file) {
     const auto [at, is_new] = written_.try_emplace(plain_path(file), run_);
     require(is_new || at->second != run_, "two observers of this run write '", file,
             "'; give each a file of its own");
     at->second = run_;
-    return !is_new;
+    return !is_new || restarted;
   }
 
  private:

@@ -127,6 +127,10 @@ void BodyMotion<Composition, State>::place_pack(const Scene& scene, const Pack& 
     motion.inv_m = body.inv_m, motion.inv_r = inv_r;
     if (moved) {
       PositionRow& position = scene.particles.position[row];
+      if constexpr (flows) {
+        const Vec3d own = body.velocity - flow.at(position.centre());
+        squared[lane] = dot(own, own);
+      }
       const Vec3d at = body.centre + scene.particles.part[row].image;
       position.x = at.x, position.y = at.y, position.z = at.z;
     }

@@ -7,8 +7,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 
 #include <silt/core/dyn_array.hpp>
+#include <silt/engine/advance/box_flow.hpp>
 #include <silt/engine/advance/sphere_motion.hpp>
 #include <silt/engine/convex/convex_rows.hpp>
 #include <silt/engine/state/body.hpp>
@@ -31,6 +33,7 @@ class BodyMotion {
   using Arch = typename Composition::Arch;
   using Integrator = typename Composition::Integrator;
   using Rotation = typename Composition::Rotation;
+  static constexpr bool flows = deforms<typename Composition::Domain>;
   static_assert(Integrator::derivatives == 0,
                 "particles that are no spheres move by Leapfrog or SymplecticEuler; Gear is for "
                 "spheres");
@@ -57,6 +60,8 @@ class BodyMotion {
   // Number of ghosts among the bodies, the last ones (ParticleState::ghosts).
   [[no_unique_address]] std::conditional_t<State::of_ranks, std::size_t, NoGhosts> ghosts{};
   [[no_unique_address]] FluidLoads<Composition::from_fluid> fluid;  // of each body
+  // The lists measure displacements relative to it.
+  [[no_unique_address]] std::conditional_t<flows, BoxFlow, NoBoxFlow> flow;
   using Modules = typename Composition::Modules;
   [[no_unique_address]] ModuleColumns<Modules> modules;  // of each body
   DynArray<std::uint32_t> rows;  // of the parts of each body, in the order of its form
@@ -205,6 +210,9 @@ class BodyMotion {
       for (const std::uint32_t row : rows_of(b)) particles.part[row].image -= shift;
     }
   }
+  /// Wraps bodies into a box that deforms; their parts stay with them, as images move.
+  template <class Domain>
+  void wrap_in_flow(State& particles, const Domain& domain);
 
  private:
   /// For kinds that store data only.
@@ -374,6 +382,7 @@ class BodyMotion {
       if (how == Placing::Moved) {
         const Vec3d now = b.centre + arm + particles.part[r].image;
         v = (1 / time) * (now - row.centre());
+        if constexpr (flows) v -= flow.at(row.centre());
         row.x = now.x, row.y = now.y, row.z = now.z;
       }
       if (per_inner2 != nullptr) most.share2 = std::max(most.share2, dot(v, v) * per_inner2[r]);

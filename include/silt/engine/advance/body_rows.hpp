@@ -47,4 +47,19 @@ void BodyMotion<Composition, State>::number_rows(const State& particles) {
         static_cast<std::uint32_t>(r);
 }
 
+template <class Composition, class State>
+template <class Domain>
+void BodyMotion<Composition, State>::wrap_in_flow(State& particles, const Domain& domain) {
+  for (Body& b : bodies) {
+    const Vec3d shift = domain.wrapped(b.centre) - b.centre;
+    if (b.id == no_particle || dot(shift, shift) == 0) continue;
+    b.centre += shift, b.velocity += domain.carried(shift);
+    for (const std::uint32_t row : rows_of(b)) {
+      PositionRow& p = particles.position[row];
+      p.x += shift.x, p.y += shift.y, p.z += shift.z;
+    }
+    put_in_place(particles, b);
+  }
+}
+
 }  // namespace silt::detail

@@ -246,7 +246,7 @@ class Tables {
   void follow([[maybe_unused]] const Domain& domain) {
     if constexpr (of_bodies) {
       mover.follow(particles);
-      if constexpr (Domain::periodic) mover.wrap(particles, domain);
+      if constexpr (Domain::periodic && !deforms<Domain>) mover.wrap(particles, domain);
     }
   }
 

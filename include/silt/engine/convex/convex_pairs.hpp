@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include <silt/boundary/deforming_box.hpp>
 #include <silt/engine/contact/contact_fluxes.hpp>
 #include <silt/engine/contact/load_rows.hpp>
 #include <silt/engine/contact/offset.hpp>
@@ -233,7 +234,19 @@ class ConvexPairs {
       scatter(c.history[h], place, count, scene.list.history(h));
     for (std::size_t k = 0; k < padded; k += W)
       Kept::template keep<has_area>(scene.list, place + k, std::min(W, count - k), c.history, k);
-    add_loads<has_gradient<A, B>, has_area>(scene, open, from, count, c);
+    add_loads<has_gradient<A, B>, has_area>(scene, open, from, count, c, tally.sum);
+  }
+  /// [m/s] additional velocity of the images of j in a box that deforms.
+  static Vec3<Real> carried(const Scene& scene, const Some& open, std::size_t k) {
+    alignas(64) double shift[3][W];
+    for (std::size_t lane = 0; lane < W; ++lane) {
+      const Vec3d whole = scene.in.positions[open.j[k + lane]].centre() -
+                          scene.in.positions[open.i[k + lane]].centre();
+      shift[0][lane] = open.between[0][k + lane] - whole.x;
+      shift[1][lane] = open.between[1][k + lane] - whole.y;
+      shift[2][lane] = open.between[2][k + lane] - whole.z;
+    }
+    return scene.domain.carried(load3<Real>(shift[0], shift[1], shift[2]));
   }
 
   /// Contacts k and following, whose geometry is in the slice.
@@ -260,6 +273,7 @@ class ConvexPairs {
     Kinematics<Real> kin;
     kin.normal = n;
     kin.velocity = i.velocity_at(arm_i) - j.velocity_at(arm_j);
+    if constexpr (deforms<Domain>) kin.velocity -= carried(scene, open, from + k);
     // The direction of the last step is stored in the axes of one body, which has rotated since.
     const Vec3<Real> turned = step * cross(select(followed > zero, i.spin, j.spin), last);
     kin.change = select(followed != zero, n + last - turned, {zero, zero, zero});
@@ -294,7 +308,7 @@ class ConvexPairs {
   /// Adds force and torques of the contacts to the sums of both bodies.
   template <bool HasGradient, bool HasArea>
   static void add_loads(const Scene& scene, const Some& open, std::size_t from, std::size_t count,
-                        const Slice& c) {
+                        const Slice& c, [[maybe_unused]] Tally<ContactsType>& tally) {
     alignas(64) double on_i[slice * row], on_j[slice * row];
     for (std::size_t k = 0; k < count; k += W) {
       Vec3<Real> force = c.kinematics.template get_load<Real>(k).force, couple{};
@@ -319,6 +333,12 @@ class ConvexPairs {
     for (std::size_t k = 0; k < count; ++k) {
       add_row<Arch, chunks, false>(scene.sums + open.i[from + k] * row, on_i + k * row);
       add_row<Arch, chunks, false>(scene.sums + open.j[from + k] * row, on_j + k * row);
+      if constexpr (sums_virial<ContactsType>) {
+        const Vec3d on_first{on_i[k * row], on_i[k * row + 1], on_i[k * row + 2]},
+            between{open.between[0][from + k], open.between[1][from + k],
+                    open.between[2][from + k]};
+        tally.virial = tally.virial - upper_outer(on_first, between);
+      }
     }
   }
 };

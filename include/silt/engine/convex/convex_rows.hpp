@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <span>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -152,6 +153,22 @@ struct ConvexRows<KindList<Kind...>, OnePart> {
       for (std::size_t k = from; k < to; ++k) {
         const auto& m = motions[k];  // the spin velocity is that at the bounding sphere
         pace[k] = norm(m.velocity() - mean) + norm(Vec3d{m.wx, m.wy, m.wz});
+      }
+    });
+  }
+
+  /// The same in a box that deforms, in which images move too: relative to its flow, which adds no
+  /// more than its gradient times the distance of two centres. `inner` [m]: reaches of the list.
+  template <class Domain>
+  void measure_pace_in_flow(const PositionRow* positions, const MotionRow<true>* motions,
+                            std::span<const double> inner, const Domain& box, const Team& team) {
+    pace.assign(pose.size(), 0);
+    const double strain = std::sqrt(silt::inner(box.gradient(), box.gradient()));  // [1/s]
+    team.for_ranges(inner.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k) {
+        const auto& m = motions[k];
+        const Vec3d own = m.velocity() - box.flow_at(positions[k].centre());
+        pace[k] = norm(own) + norm(Vec3d{m.wx, m.wy, m.wz}) + strain * (positions[k].r + inner[k]);
       }
     });
   }

@@ -96,12 +96,17 @@ inline void ConvexPairs<Rows, ContactsType, Domain, Arch, Fluxes>::part(
       note.first = list.first()[place], note.second = list.second()[place];
       const PositionRow &a = scene.in.positions[note.first], &b = scene.in.positions[note.second];
       Vec3d between = a.centre() - b.centre();
-      if constexpr (Domain::periodic) between = scene.domain.shortest(between);
+      Vec3d velocity =
+          scene.in.motions[note.first].velocity() - scene.in.motions[note.second].velocity();
+      if constexpr (Domain::periodic) {
+        const Vec3d whole = between;
+        between = scene.domain.shortest(between);
+        if constexpr (deforms<Domain>) velocity -= scene.domain.carried(whole - between);
+      }
       note.event.normal = between * (1 / norm(between));
       note.event.point = a.centre() - (a.r + 0.5 * gap) * note.event.normal;
       end_watched<ContactsType>(
-          [&](std::size_t k) -> double& { return list.history(events + k)[place]; },
-          scene.in.motions[note.first].velocity() - scene.in.motions[note.second].velocity(),
+          [&](std::size_t k) -> double& { return list.history(events + k)[place]; }, velocity,
           scene.in.times, note, tally.notes);
     }
   if constexpr (keeps_offset<ContactsType>) list.history(ContactsType::offset_from)[place] = 0;

@@ -4,6 +4,7 @@
 // Parts of NearLists: the search for pairs of spheres and for spheres near walls.
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
@@ -40,13 +41,15 @@ void NearLists<Composition, Pairs, Walls, Mover>::take_stock(const Scene& scene,
                                                              std::int64_t step) {
   previous_.resize(scene.particles.size());
   std::iota(previous_.begin(), previous_.end(), 0u);
+  if constexpr (flows && State::of_bodies) scene.mover.wrap_in_flow(scene.particles, scene.domain);
   if constexpr (State::of_ranks)
     change_ranks(scene, step);
   else if (scene.particles.parked > 0)
     drop_parked(scene);
   if constexpr (Domain::periodic) {
-    if constexpr (!State::of_ranks) wrap(scene);
+    if constexpr (!State::of_ranks && !(flows && State::of_bodies)) wrap(scene);
     check_range(scene.domain, scene.particles, scene.range);
+    if constexpr (flows && State::of_bodies) check_bodies(scene.domain, scene.mover.bodies);
   }
 }
 
@@ -75,6 +78,11 @@ template <class Composition, class Pairs, class Walls, class Mover>
 void NearLists<Composition, Pairs, Walls, Mover>::find_near(const Scene& scene, Search& search) {
   auto& find = finder_of(search);
   if constexpr (flows) {
+    if constexpr (State::of_bodies)  // parts of bodies at the faces are outside
+      for (PositionRow& row : grown_) {
+        const Vec3d p = scene.domain.wrapped(row.centre());
+        row = {p.x, p.y, p.z, row.r};
+      }
     images_.find(find, grown().rows, largest_grown_, scene.domain, scene.team, found_);
     flow.search();
   } else {
@@ -152,6 +160,20 @@ DynArray<PositionRow> NearLists<Composition, Pairs, Walls, Mover>::grown_by_modu
     rows[k].r = std::max(rows[k].r, scene.ranks.reach.around(radius) + upkeep.outer[k] + aside);
   }
   return rows;
+}
+
+template <class Composition, class Pairs, class Walls, class Mover>
+double NearLists<Composition, Pairs, Walls, Mover>::last_way(const Scene& scene, std::size_t k) {
+  constexpr double slack = 1.5;  // velocities of this step instead of the last
+  const PositionRow& row = scene.particles.position[k];
+  const Vec3d v = scene.particles.motion[k].velocity();
+  double speed = norm(v);
+  if constexpr (flows) {
+    const Upper3& gradient = scene.domain.gradient();
+    speed = norm(v - scene.domain.flow_at(row.centre())) +
+            std::sqrt(inner(gradient, gradient)) * (row.r + scene.range);
+  }
+  return slack * scene.time_step * speed;
 }
 
 template <class Composition, class Pairs, class Walls, class Mover>

@@ -257,15 +257,21 @@ class NearLists {
     std::array<double, Team::most_ranges> largest{};
     scene.team.for_ranges(n, [&](std::size_t r, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k) {
-        upkeep.outer[k] = upkeep.outer_reach(anticipated_[k]);
+        upkeep.outer[k] = keeps_list ? upkeep.outer_reach(anticipated_[k]) : last_way(scene, k);
         grown_[k] = scene.particles.position[k];
         grown_[k].r += upkeep.outer[k] + scene.range / 2;
         largest[r] = std::max(largest[r], grown_[k].r);
       }
     });
     largest_grown_ = *std::max_element(largest.begin(), largest.end());
-    upkeep.set_outer_wall(wall_speed);
+    if constexpr (keeps_list)
+      upkeep.set_outer_wall(wall_speed);
+    else
+      upkeep.outer_wall = std::max(wall_speed, 0.0) * scene.time_step;
   }
+  /// [m] Bounds how far row k has moved in the last step. By this much reaches a search without a
+  /// list, so that it still finds contacts that have just ended: their end is told and booked.
+  static double last_way(const Scene& scene, std::size_t k);
 
   /// Chooses the inner reaches; false if the outer list is not valid for them.
   bool choose_inner(const Scene& scene, double wall_speed) {
@@ -273,7 +279,9 @@ class NearLists {
     const std::size_t n = particles.size();
     upkeep.inner.resize(n), upkeep.per_inner2.resize(n);
     if constexpr (!keeps_list) {
-      std::fill_n(upkeep.inner.begin(), n, 0.0), std::fill_n(upkeep.per_inner2.begin(), n, 0.0);
+      std::fill_n(upkeep.per_inner2.begin(), n, 0.0);
+      if (upkeep.outer.size() == n) upkeep.inner = upkeep.outer;
+      upkeep.inner_wall = upkeep.outer_wall;
       return false;
     }
     std::array<bool, Team::most_ranges> too_little{};

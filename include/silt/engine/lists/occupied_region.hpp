@@ -1,13 +1,16 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include <silt/boundary/deforming_box.hpp>
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
+#include <silt/engine/state/body.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -36,6 +39,18 @@ void check_range(const Domain& domain, const State& particles, double range) {
             domain.length(d), " [m] in ", "xyz"[d], " must be at least ", least,
             " m, two diameters and twice the range ", range, " m of the contact law",
             deforms<Domain> ? "; a box that shrinks so far has too few particles in it" : "");
+}
+/// A box that shrinks must not become shorter than a body, which would meet itself.
+template <class Domain>
+void check_bodies(const Domain& domain, std::span<const Body> bodies) {
+  double least = 0;
+  for (const Body& b : bodies)
+    if (b.id != no_particle) least = std::max(least, 2 * b.radius);
+  for (int d = 0; d < 3; ++d)
+    require(domain.length(d) >= least, Domain::policy_name, ": its length ", domain.length(d),
+            " [m] in ", "xyz"[d], " must be at least ", least,
+            " m, the diameter of its largest body; a box that shrinks so far has too few particles "
+            "in it");
 }
 
 }  // namespace silt::detail

@@ -128,9 +128,6 @@ struct Composition {
       "Particles<Sphere> or Particles<Polyhedron>");
   static_assert(!deforms<Domain> || !has_breakage,
                 "Breakage knows no DeformingBox; take PeriodicBox");
-  static_assert(!deforms<Domain> || !of_bodies,
-                "DeformingBox is for spheres so far: bodies have no flow velocity of their parts; "
-                "take PeriodicBox, or spheres with rolling resistance");
   static_assert(!deforms<Domain> || from_fluid == FromFluid::Nothing,
                 "DeformingBox cannot be coupled to a fluid, whose grid does not deform; take "
                 "PeriodicBox, or leave the fluid out");

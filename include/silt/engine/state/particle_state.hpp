@@ -221,7 +221,7 @@ class ParticleState {
     position.resize(size()), motion.resize(size());
     if constexpr (Bonded) orientation.resize(size()), orientation.resize(size() + 2);
     for (int k = 0; k < 2; ++k) {
-      position.push_back({static_cast<double>(k), 0, 0, 0});
+      position.push_back({k * padding_.x, k * padding_.y, k * padding_.z, 0});
       ParticleMotion m{};
       m.inv_m = 1;
       if constexpr (Rotates) m.inv_r = 1;
@@ -229,7 +229,20 @@ class ParticleState {
     }
   }
 
+  /// Keeps the two rows of padding apart in a periodic box. Folded together, a law that acts at a
+  /// distance would divide by their radii, and its energies would be NaN.
+  template <class Domain>
+  void keep_padding_apart([[maybe_unused]] const Domain& box) {
+    if constexpr (Domain::periodic) {
+      const auto apart = [&](int d) { return box.repeats(d) ? 0.5 * box.length(d) : far; };
+      padding_ = {apart(0), apart(1), apart(2)};
+      position[size() + 1] = {padding_.x, padding_.y, padding_.z, 0};
+    }
+  }
+
  private:
+  static constexpr double far = 1e6;  // [m] beyond the range of any law
+  Vec3d padding_{far, 0, 0};          // [m] from one row of padding to the other
   AlignedVector<PairMotion> pair_motion_;  // if it is not the same as motion
 
   void set_pair_motion(std::size_t k) {
