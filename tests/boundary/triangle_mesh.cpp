@@ -1,6 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 #include <silt/boundary/triangle_mesh.hpp>
 
+#include <set>
+
+#include <silt/boundary/finite_walls.hpp>
+
 #include "support.hpp"
 
 namespace triangle_mesh_test {
@@ -218,6 +222,16 @@ TEST_CASE("triangle_mesh: a hollow in a solid is outside") {
   CHECK(mesh.contains({0.4, 1.6, 1.3}));
   CHECK(!mesh.contains({1.4, 1.6, 1.3}));
   CHECK(!mesh.contains({1.5, 1.5, 1.5}));  // the rays meet diagonals
+}
+
+// Patches begin at the largest triangles. Of equal ones rounding chose, so that a cube on a vertex
+// had another number of contacts elsewhere in space.
+TEST_CASE("triangle_mesh: a mesh has the same patches wherever it is") {
+  const auto at = [](const Vec3d& centre) { return silt::sphere_mesh(centre, 5e-3, 2).patches(); };
+  const auto first = at({0, 0, 0});
+  CHECK(std::set<std::uint32_t>(first.begin(), first.end()).size() > 5);
+  for (const Vec3d& centre : {Vec3d{0.25, 0.5, -0.125}, Vec3d{0.013, -0.777, 0.3}})
+    CHECK(at(centre) == first);
 }
 
 TEST_CASE("triangle_mesh: refuses what makes no surface, by name") {

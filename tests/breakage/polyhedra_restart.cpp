@@ -111,6 +111,68 @@ TEST_CASE("breakage: polyhedra that have broken go on from a checkpoint to the l
   has(refusal([&] { silt::load_checkpoint(other, at.file); }), "form 0 'stone': ");
 }
 
+// Speeds of bodies choose the step here. They were measured after a body had turned in some steps
+// and before it in others, and after an edit the largest was forgotten by a restart.
+TEST_CASE("breakage: steps that follow spinning stones depend on no observer, edit or restart") {
+  const Place at("silt_breakage_polyhedra_steps");
+  const auto make = [] {
+    Stones stones;
+    const auto form = stones.add_form(stone(9), "stone");
+    for (int k = 0; k < 12; ++k)
+      stones.add(
+          {.form = form,
+           .position = {0.0032 * (k % 3), 0.0032 * (k / 3 % 2), 0.0013 + 0.003 * (k / 6)},
+           .orientation = silt::rotation_about(silt::normalised(Vec3d{1, 2, 3}), 0.3 * k + 1),
+           .density = 2165,
+           .velocity = {0, 0, -6},
+           .angular_velocity = {4000, -7000, 2000}});
+    silt::Simulation sim{std::move(stones), silt::Contacts<silt::HertzMindlin>{salt},
+                         policy({.dust_below = 3e-4, .step = silt::BreakStep::SmallestLiving})};
+    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, salt);
+    sim.gravity = {0, 0, -4e4};  // so that speeds grow, and steps follow them
+    sim.threads = 1, sim.guard.max_overlap = 5;
+    return sim;
+  };
+  using Sim = decltype(make());
+  const auto state = [](const Sim& sim) {
+    std::vector<double> all{sim.time(), sim.step_length(), static_cast<double>(sim.broken())};
+    for (std::size_t k = 0; k < sim.rows(); ++k)
+      if (sim.is_present(k))
+        for (const Vec3d& v : {sim.position(k), sim.velocity(k), sim.angular_velocity(k)})
+          all.insert(all.end(), {v.x, v.y, v.z});
+    return all;
+  };
+  const auto edit = [](Sim& sim) {  // a stone comes
+    if (sim.time() < 1e-4) return;
+    Stones one;
+    one.add({.form = one.add_form(stone(9), "stone"),
+             .position = {0.004, 0.002, 0.012},
+             .radius = 1e-3,
+             .density = 2165,
+             .velocity = {0, 0, -20}});
+    sim.add(one);
+  };
+  auto alone = make(), looked = make(), saved = make();
+  const auto edits = [&] { return silt::at(silt::every(5e-5), edit); };
+  double looks = 0;
+  alone.run(4e-4, edits());
+  looked.run(4e-4, edits(),
+             silt::at(silt::every_steps(7), [&](const Sim& s) { looks += s.time(); }));
+  CHECK(alone.broken() > 4);
+  CHECK(looks > 0);
+  CHECK(state(looked) == state(alone));
+  saved.run(4e-4, edits(),
+            silt::at<silt::ActionKind::Saves>(silt::every(1.6e-4), [&](const Sim& s) {
+              if (s.time() > 3e-4) silt::save_checkpoint(s, at.file);
+            }));
+  CHECK(state(saved) == state(alone));
+  auto restarted = make();
+  silt::load_checkpoint(restarted, at.file);
+  CHECK(restarted.broken() > 0);
+  restarted.run(4e-4 - restarted.time(), edits());
+  CHECK(state(restarted) == state(alone));
+}
+
 TEST_CASE("breakage: a form that was added after others broke, at a restart") {
   const Place at("silt_breakage_polyhedra_added");
   Stones cube;

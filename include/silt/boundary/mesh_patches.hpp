@@ -42,7 +42,8 @@ inline DynArray<std::uint32_t> TriangleMesh::find_patches() const {
   for (std::uint32_t t = 0; t < count; ++t) {
     const auto& [a, b, c] = triangles_[t];
     const Vec3d& at = vertices_[a];
-    area[t] = norm(cross(vertices_[b] - at, vertices_[c] - at));
+    // Rounded, so that triangles of the same size have the same, wherever the mesh is.
+    area[t] = static_cast<float>(norm(cross(vertices_[b] - at, vertices_[c] - at)));
   }
   DynArray<std::uint32_t> largest_first(count);
   std::iota(largest_first.begin(), largest_first.end(), 0u);

@@ -88,8 +88,9 @@ class Checkpoint<Sim>::Staged {
   void put_into(Sim& sim, const AcceptedChanges& accepted) noexcept {
     Engine& e = sim.engine_;
     sim.time_ = clock_.time, sim.dt_ = clock_.step_length, sim.time_origin_ = clock_.time_origin;
-    // Other materials have another limit of the time step, which is then checked again.
-    sim.checked_speed_ = accepted.materials ? 0 : clock_.checked_speed;
+    // Other materials and walls have another limit of the time step, which is checked again.
+    sim.checked_speed_ =
+        accepted.materials || known_walls_ < e.walls.size() ? 0 : clock_.checked_speed;
     sim.peak_overlap_ = clock_.peak_overlap, sim.checked_overlap_ = 0;
     sim.step_ = clock_.step, sim.step_origin_ = clock_.step_origin;
     sim.flux_every_ = clock_.flux_every;

@@ -85,7 +85,7 @@ void Simulation<Policies...>::begin_run() {
       ((scene_changed_ || falls_faster) && is_step_too_long()) ||
       (laws_changed_ && is_longer_than_own()))
     change_step(chosen_time_step());
-  if (scene_changed_) checked_speed_ = 0;
+  if (scene_changed_ && !continued_) checked_speed_ = 0;  // a restart goes on with that of its file
   scene_changed_ = laws_changed_ = false;
   if (guard.domain) {
     const auto& [min, max] = *guard.domain;

@@ -53,11 +53,12 @@ void BodyMotion<Composition, State>::carry_pack(const Scene& scene, const Kick* 
     const V L = of_now ? momentum_before : Real(0.5) * (momentum_before + now.momentum);
     record_pack(pack, v, now.axes().to_space(now.rate(L)));
   }
+  const V rate = now.rate(now.momentum);  // before the drift, as in steps that are observed
   if (time != 0) {
     now.centre += Real(time) * now.velocity;
     Rotation::drift(now.q, now.momentum, now.inertia, Real(time));
   }
-  place_pack(scene, now, time != 0, pack, most);
+  place_pack(scene, now, rate, time != 0, pack, most);
 }
 
 template <class Composition, class State>
@@ -94,9 +95,11 @@ void BodyMotion<Composition, State>::record_pack(std::span<const Body> pack, con
                                    {whole[3][lane], whole[4][lane], whole[5][lane]}};
 }
 
-/// Writes a pack back, and the motion of its rows; `moved`: their positions too.
+/// Writes a pack back, and the motion of its rows; `moved`: their positions too. `kicked` [rad/s]:
+/// about the principal axes, of which the speeds are measured.
 template <class Composition, class State>
-void BodyMotion<Composition, State>::place_pack(const Scene& scene, const Pack& now, bool moved,
+void BodyMotion<Composition, State>::place_pack(const Scene& scene, const Pack& now,
+                                                const Vec3<Real>& kicked, bool moved,
                                                 std::span<Body> pack, Measured& most) {
   using V = Vec3<Real>;
   Row4<Arch> moving[4][W], spin[W];
@@ -115,7 +118,8 @@ void BodyMotion<Composition, State>::place_pack(const Scene& scene, const Pack& 
   const Real v2 = dot(now.velocity, now.velocity);
   alignas(64) double speed[W], squared[W];
   store(squared, v2);
-  store(speed, sqrt(v2) + abs(rate.x) * lever[1] + abs(rate.y) * lever[2] + abs(rate.z) * lever[3]);
+  store(speed,
+        sqrt(v2) + abs(kicked.x) * lever[1] + abs(kicked.y) * lever[2] + abs(kicked.z) * lever[3]);
   for (std::size_t lane = 0; lane < pack.size(); ++lane) {
     Body& body = pack[lane];
     if (body.id == no_particle) continue;

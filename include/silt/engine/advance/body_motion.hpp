@@ -278,7 +278,7 @@ class BodyMotion {
       for (std::size_t k = from; k < to; k += W) {
         const std::span<Body> pack{bodies.data() + k, std::min(W, to - k)};
         for (Body& b : pack)
-          if (b.id != no_particle) prepare(b);
+          if (b.id != no_particle) prepare(b), most.include(b.speed());
         turn(pack, time);
         for (Body& b : pack) {
           if (b.id == no_particle) continue;
@@ -314,8 +314,8 @@ class BodyMotion {
                   Measured& most);
   void kick_pack(const Scene& scene, const Kick& kick, std::span<const Body> pack, Pack& now) const;
   void record_pack(std::span<const Body> pack, const Vec3<Real>& v, const Vec3<Real>& w);
-  void place_pack(const Scene& scene, const Pack& now, bool moved, std::span<Body> pack,
-                  Measured& most);
+  void place_pack(const Scene& scene, const Pack& now, const Vec3<Real>& kicked, bool moved,
+                  std::span<Body> pack, Measured& most);
   /// Adds the loads of fluid and modules to those of a pack of bodies.
   void add_others(std::span<const Body> pack, Real (&load)[8]) const;
   /// The row of a body of one part, and the index of its load.
@@ -363,7 +363,7 @@ class BodyMotion {
     const BodyAxes<double> axes = body_axes(b.orientation);
     const auto& parts = forms[b.form].parts;
     const Vec3d w = b.angular_velocity(b.momentum);
-    most.include(b.speed());
+    if (how == Placing::Still) most.include(b.speed());  // else before it has turned
     for (std::size_t p = 0; p < parts.size(); ++p) {
       const std::size_t r = rows[b.first + p];
       const Vec3d arm = axes.to_space(b.scale * parts[p].centre);

@@ -44,7 +44,8 @@ namespace silt::inline SILT_TARGET::detail {
 ///
 ///   dp'/dt = (p - p') (1/(100 s) + (100 |w x r|/d)^2 dt),  s = sqrt(m overlap/F);  g' the same (3)
 ///
-/// p' is kept relative to the centre of i. Laws whose coefficients have neither `friction` nor `mu`
+/// p' is kept relative to the middle between both centres (at a wall, to the centre); |r|^2 is the
+/// mean of both. Laws whose coefficients have neither `friction` nor `mu`
 /// do not tell whether they slide: p' = p, g' = g.
 ///
 /// Damping: with c = the law's dashpot, rocking with angular velocity w is resisted by the torque
@@ -272,11 +273,18 @@ struct AtAreaPoints {
     const Real g = gradients != nullptr ? silt::load<Real>(gradients + k) : Real(1);
     const Vec3<Real> way = load3<Real>(frame[0], frame[1], frame[2]),
                      beside = cross(kin.normal, way);
-    const Vec3<Real> lever = load3<Real>(levers[0] + k, levers[1] + k, levers[2] + k);
+    // From the middle between both centres, so that i may be either.
+    Vec3<Real> lever = load3<Real>(levers[0] + k, levers[1] + k, levers[2] + k);
+    Real lever2 = dot(lever, lever);
+    if (between[0] != nullptr) {
+      const Vec3<Real> d = load3<Real>(between[0] + k, between[1] + k, between[2] + k),
+                       of_j = lever - d;
+      lever2 = Real(0.5) * (lever2 + dot(of_j, of_j)), lever = lever - Real(0.5) * d;
+    }
     const SlipFrame<Real> now{g, dot(lever, way), dot(lever, beside)};
     SlipFrame<Real> held = SlipFrame<Real>::at(frame + 6);
-    held.follow(
-        now, select(held.gradient > Real(0), rolls(spin, lever, kin.normal, frame, step), Real(1)));
+    held.follow(now, select(held.gradient > Real(0), rolls(spin, lever2, kin.normal, frame, step),
+                            Real(1)));
     const Vec3<Real> off = (held.along - now.along) * way + (held.beside - now.beside) * beside;
     return {now, held, select(touches, off, {Real(0), Real(0), Real(0)}), held.gradient / g,
             kin.normal - lag * kin.change};
@@ -284,12 +292,12 @@ struct AtAreaPoints {
   /// [-] share by which the points of friction follow in this step, (3): where bodies roll, and
   /// otherwise; 1 where they slide.
   template <class Real>
-  static SILT_INLINE Real rolls(const Vec3<Real>& spin, const Vec3<Real>& lever,
-                                const Vec3<Real>& n, double* const* area, const Real& step) {
+  static SILT_INLINE Real rolls(const Vec3<Real>& spin, const Real& lever2, const Vec3<Real>& n,
+                                double* const* area, const Real& step) {
     const Vec3<Real> tilts = spin - dot(spin, n) * n;
     const Real a = load<Real>(area[3]), b = load<Real>(area[4]), c = load<Real>(area[5]);
-    const Real way = dot(tilts, tilts) * dot(lever, lever) /
-                     max(a * a + Real(2) * b * b + c * c, smallest<Real>());
+    const Real way =
+        dot(tilts, tilts) * lever2 / max(a * a + Real(2) * b * b + c * c, smallest<Real>());
     return min(Real(1e4) * step * step * way, Real(1));
   }
   template <class Real, class Coefficients>
