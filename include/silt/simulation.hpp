@@ -176,7 +176,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   std::vector<std::size_t> add(const ParticlesType& more);
   /// Deforms the box from the next step on as described by `how` (DeformingBox).
   void deform(const Deformation& how) requires(detail::deforms<Domain>) {
-    detail::refuse_tension<typename ContactsType::Law>(how);
+    if constexpr (!has_bonds) detail::refuse_tension<typename ContactsType::Law>(how);
     domain_.deform(how), scene_changed_ = true;
   }
   /// Adds the particles placed by an inlet.

@@ -18,9 +18,6 @@ namespace bonds_of_bodies {
 namespace bonds_without_rotation {
 #include "refused/bonds_without_rotation.cpp"
 }
-namespace bonds_in_deforming_box {
-#include "refused/bonds_in_deforming_box.cpp"
-}
 namespace bonds_by_gear {
 #include "refused/bonds_by_gear.cpp"
 }

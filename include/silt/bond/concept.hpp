@@ -83,7 +83,7 @@ struct BondStiffness {
 /// `seed` determines the random strengths of bonds.
 ///
 /// Source: as its model.
-/// Valid:  spheres, not in a DeformingBox, with an integrator of kicks and drifts.
+/// Valid:  spheres, with an integrator of kicks and drifts.
 /// Units:  SI.
 /// Errors: InputError of its model; with other shapes and policies it does not compile.
 /// Tests:  tests/bond/build.cpp, tests/bond/checkpoint.cpp.

@@ -50,9 +50,11 @@ struct BoxStress {
 /// displaced by H n, with H the edges of the box, has an additional velocity L H n. Positions,
 /// contacts and wrapping use these velocities in a form that is exact for finite steps.
 ///
-/// Servo: the rate e of a component with the target p follows, with the mass m of all particles,
-///   m l^2/12 de/dt = V (P - p) - m l^2/12 g (e - b),   25 db/dt = g (e - b),               (2)
-///   g = 2 sqrt(36 pressure/(largest overlap m/V l^2)): near-critical damping,
+/// Servo: the rate e of a component with the target p follows, with the mass m of all N particles,
+///   M de/dt = V (P - p) - M g (e - b),   25 db/dt = g (e - b),                             (2)
+///   M = m l^2/12, l = 2 (V/N)^(1/3), at most the edge: the box is as heavy as two layers,
+///   g = 2 sqrt((3 V P_c/largest overlap + sum k a^2/5)/M): near-critical damping, with the part
+///       P_c of the pressure that is not of bonds, and the stiffness k and length a of each bond,
 /// limited to [-most_rate, most_rate]. The servo is passive: the only work it supplies is that of
 /// p.
 /// Source: A. W. Lees, S. F. Edwards, J. Phys. C 5 (1972) 1921; P. J. Daivis, B. D. Todd, J. Chem.
@@ -176,11 +178,17 @@ class DeformingBox {
 
   // --- for the engine -------------------------------------------------------------------------
 
-  /// Contributions of the particles in a step: sums F_a d_b over contacts [J], mass [kg], overlap
-  /// over the smaller radius [-].
+  /// Bonds in a step: sum F_a d_b [J]; sum of stiffness times length^2 [J].
+  struct BondLoads {
+    Upper3 virial;
+    double stiffness = 0;
+  };
+  /// Contributions of the particles in a step: sum F_a d_b over contacts [J], overlap over the
+  /// smaller radius [-].
   struct Loads {
     Upper3 virial;
     double largest_overlap;
+    BondLoads bonds{};
   };
   /// Change of the velocities by (1) [1/s], to multiply with the distance from the centre.
   struct Kick {
@@ -189,14 +197,13 @@ class DeformingBox {
   };
   /// Chooses the rates of the next step, after the forces of this step.
   Kick choose_rates(const Loads& loads, double dt, bool first) {
-    book(loads.virial, dt);
+    book(loads.virial + loads.bonds.virial, dt);
     Upper3 jump{}, next{};
     const auto all = drives_.all();
     const auto old = rate_.values(), stress = pressures();
     std::array<double, 6> rate, leap{};
     for (std::size_t k = 0; k < 6; ++k) {
-      rate[k] =
-          all[k].stress ? servo(k, all[k], stress[k], loads.largest_overlap, dt) : all[k].rate;
+      rate[k] = all[k].stress ? servo(k, all[k], stress[k], stiffness_of(loads), dt) : all[k].rate;
       if (!all[k].stress) leap[k] = rate[k] - old[k], bias_[k] = rate[k];
     }
     next = Upper3::of(rate), jump = Upper3::of(leap);
@@ -218,18 +225,18 @@ class DeformingBox {
     has_moved_ = true;
     return step;
   }
-  /// Kinetic part, relative to the flow: sum m c_a c_b [J] of the last step; momentum [kg m/s] and
-  /// mass [kg] of all. The motion of the sample as a whole is no stress.
-  void set_kinetic(const Upper3& sum, const Vec3d& momentum, double mass) {
-    kinetic_ = sum, mass_ = mass;
+  /// Kinetic part, relative to the flow: sum m c_a c_b [J] of the last step; momentum [kg m/s],
+  /// mass [kg] and number of all. The motion of the sample as a whole is no stress.
+  void set_kinetic(const Upper3& sum, const Vec3d& momentum, double mass, double count) {
+    kinetic_ = sum, mass_ = mass, count_ = count;
     bulk_ = mass > 0 ? (1 / mass) * upper_outer(momentum, momentum) : Upper3{};
   }
 
   // --- for checkpoints ----------------------------------------------------------------------
 
-  static constexpr std::size_t state_size = 11 * 6 + 3 + 6 * 4;
+  static constexpr std::size_t state_size = 11 * 6 + 4 + 6 * 4;
   DynArray<double> state() const {
-    DynArray<double> s{work_, mass_, has_moved_ ? 1.0 : 0.0};
+    DynArray<double> s{work_, mass_, count_, has_moved_ ? 1.0 : 0.0};
     const Upper3 stress{stress_.x, stress_.y, stress_.z, stress_.xy, stress_.xz, stress_.yz};
     for (const Upper3& m :
          {edges_, rate_, step_gradient_, seen_, strain_, virial_, kinetic_, bulk_, stress})
@@ -246,13 +253,13 @@ class DeformingBox {
     require(s.size() == state_size, "DeformingBox: a state of ", s.size(), " numbers, not ",
             state_size);
     for (const double v : s) require(std::isfinite(v), "DeformingBox: a state with ", v);
-    std::size_t at = 3;
+    std::size_t at = 4;
     const auto six = [&] {
       std::array<double, 6> v;
       for (double& x : v) x = s[at++];
       return v;
     };
-    work_ = s[0], mass_ = s[1], has_moved_ = s[2] != 0;
+    work_ = s[0], mass_ = s[1], count_ = s[2], has_moved_ = s[3] != 0;
     Upper3 stress;
     for (Upper3* m :
          {&edges_, &rate_, &step_gradient_, &seen_, &strain_, &virial_, &kinetic_, &bulk_, &stress})
@@ -298,15 +305,22 @@ class DeformingBox {
   std::array<double, 6> pressures() const {
     return {stress_.x, stress_.y, stress_.z, -stress_.xy, -stress_.xz, -stress_.yz};
   }
+  /// [J] stiffness in (2), of the volume.
+  double stiffness_of(const Loads& l) const {
+    const Upper3& b = l.bonds.virial;
+    const double pressed = 3 * stress_.pressure() * volume() - (b.xx + b.yy + b.zz);
+    return (l.largest_overlap > 0 ? std::max(pressed, 0.0) / l.largest_overlap : 0) +
+           l.bonds.stiffness / 5;
+  }
   /// Equation (2).
-  double servo(std::size_t k, const BoxDrive& drive, double pressure, double overlap, double dt) {
+  double servo(std::size_t k, const BoxDrive& drive, double pressure, double stiffness, double dt) {
     const double old = rate_.values()[k];
     if (!(mass_ > 0)) return old;
-    const double l = k == 0 ? edges_.xx : k == 1 || k == 3 ? edges_.yy : edges_.zz;
+    const double edge = k == 0 ? edges_.xx : k == 1 || k == 3 ? edges_.yy : edges_.zz;
+    const double l = std::min(edge, 2 * std::cbrt(volume() / count_));
     const double inertia = mass_ * l * l / 12;  // [kg m2]
     const double target = k < 3 ? *drive.stress : -*drive.stress;
-    const double stiffness = overlap > 0 ? 3 * std::max(stress_.pressure(), 0.0) / overlap : 0;
-    const double damping = 2 * std::sqrt(stiffness * volume() / inertia);  // [1/s]
+    const double damping = 2 * std::sqrt(stiffness / inertia);  // [1/s]
     const double pushed = old + dt * volume() * (pressure - target) / inertia;
     const double rate = (pushed + dt * damping * bias_[k]) / (1 + dt * damping);
     constexpr double slow = 25;  // inertia behind the damper, over that of the box
@@ -325,8 +339,8 @@ class DeformingBox {
   Upper3 strain_;
   Upper3 virial_, kinetic_, bulk_;  // [J]
   BoxStress stress_;
-  std::array<double, 6> bias_{};  // [1/s]
-  double work_ = 0, mass_ = 0;    // [J], [kg]
+  std::array<double, 6> bias_{};            // [1/s]
+  double work_ = 0, mass_ = 0, count_ = 0;  // [J], [kg], [-]
   bool has_moved_ = false;
 };
 

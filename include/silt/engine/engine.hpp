@@ -74,6 +74,8 @@ class Engine : public Tables<Composition> {
   ContactRecord record;               // of the last step, if it was requested
   std::uint64_t safeguards = 0;       // [-] contacts ended by a law's safeguard since the start
   [[no_unique_address]] VirialOf<ContactsType> virial;  // of the last step
+  [[no_unique_address]] std::conditional_t<deforms<Domain>, DeformingBox::BondLoads, NoVirial>
+      of_bonds{};
   EnergyOf<ContactsType, double> contact_energy = start_energy<ContactsType, double>();
   static constexpr bool has_events = keeps_events<ContactsType>;
   [[no_unique_address]] ImpactsOf<ContactsType> impacts;  // of the last step

@@ -57,7 +57,7 @@ inline void Engine<Composition>::kick_box(Domain& box, double time_step, bool fi
       };
       virial = virial - virial_of_arms(particles, mover.bodies, load_of, *team_);
     }
-  box_kick_ = box.choose_rates({virial, largest_overlap}, time_step, first);
+  box_kick_ = box.choose_rates({virial, largest_overlap, of_bonds}, time_step, first);
   if constexpr (of_bodies)
     mover.flow = {box.gradient(), box.centre()},
     add_flow_to_bodies(mover.bodies, box_kick_.all, box.centre(), *team_);
@@ -83,7 +83,7 @@ inline void Engine<Composition>::move_box(Domain& box, double time_step) {
   else
     pace = pace_in_flow(particles, box, reach.size() < particles.size() ? nullptr : reach.data(),
                         time_step, *team_);
-  box.set_kinetic(pace.kinetic, pace.momentum, pace.mass);
+  box.set_kinetic(pace.kinetic, pace.momentum, pace.mass, pace.count);
   const double s = 1 - time_step * box.squeeze_rate();
   lists.flow.follow(box.advance(time_step), s);
   lists.upkeep.used += pace.largest_share * time_step / lists.flow.pruned;

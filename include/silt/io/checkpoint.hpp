@@ -80,7 +80,7 @@ class Checkpoint {
   /// Programs that can continue from the file: the policies that determine the state and the
   /// contact history.
   static std::string signature() {
-    return text("silt state 28; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
+    return text("silt state 29; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
                 "; domain ", name_of<typename Sim::Domain>(), "; precision ",
                 name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "",

@@ -54,7 +54,8 @@ void Simulation<Policies...>::check_start() {
       if (is_present(k) && norm(domain_.wrapped(position(k)) - position(k)) > 1e-6 * radius(k))
         ++engine_.came_from_outside;
   if constexpr (detail::deforms<Domain>) {
-    detail::refuse_tension<typename ContactsType::Law>(domain_.deformation());
+    if constexpr (!has_bonds)
+      detail::refuse_tension<typename ContactsType::Law>(domain_.deformation());
     require(!engine_.particles.some_fixed,
             "DeformingBox: a fixed particle cannot follow it; leave Particle.fixed out");
     require(dot(gravity, gravity) == 0, "DeformingBox: Simulation::gravity = ", gravity,

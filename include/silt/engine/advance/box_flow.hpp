@@ -44,10 +44,10 @@ inline void add_flow_to_bodies(std::span<Body> bodies, const Upper3& a, const Ve
 
 /// Motion of the particles relative to the flow of the box in the last step.
 struct FlowPace {
-  double largest_share = 0;  // [1/s] largest ratio of speed to inner reach
-  Upper3 kinetic;            // [J] sum of m c_a c_b at the middle of the step
-  Vec3d momentum{0, 0, 0};   // [kg m/s] of the same
-  double mass = 0;           // [kg]
+  double largest_share = 0;    // [1/s] largest ratio of speed to inner reach
+  Upper3 kinetic;              // [J] sum of m c_a c_b at the middle of the step
+  Vec3d momentum{0, 0, 0};     // [kg m/s] of the same
+  double mass = 0, count = 0;  // [kg], [-]
 };
 /// find(k, moved) calls moved(position, velocity, 1/m, 1/reach^2) if there is a particle k.
 template <class Find>
@@ -64,7 +64,7 @@ FlowPace pace_in_flow(std::size_t count, const DeformingBox& box, double dt, con
         const double m = 1 / inv_m;
         share2 = std::max(share2, dot(c, c) * per_inner2);
         p.kinetic = p.kinetic + m * upper_outer(half, half);
-        p.momentum += m * half, p.mass += m;
+        p.momentum += m * half, p.mass += m, p.count += 1;
       });
     p.largest_share = std::sqrt(share2);
   });
@@ -72,7 +72,7 @@ FlowPace pace_in_flow(std::size_t count, const DeformingBox& box, double dt, con
   for (const FlowPace& p : of) {
     all.largest_share = std::max(all.largest_share, p.largest_share);
     all.kinetic = all.kinetic + p.kinetic;
-    all.momentum += p.momentum, all.mass += p.mass;
+    all.momentum += p.momentum, all.mass += p.mass, all.count += p.count;
   }
   return all;
 }

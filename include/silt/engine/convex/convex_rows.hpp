@@ -15,6 +15,7 @@
 #include <silt/core/row4.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
+#include <silt/core/upper3.hpp>
 #include <silt/engine/lists/pair_history.hpp>
 #include <silt/engine/state/rows.hpp>
 #include <silt/shape/narrow/kinds.hpp>

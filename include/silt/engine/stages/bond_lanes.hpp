@@ -22,13 +22,14 @@ inline void BondStage<Model, Domain, Arch>::run_group(Engine& e, const Domain& d
                                                       Done& done) {
   Block b;
   Real power(0);
+  [[maybe_unused]] Virial virial;
   const Real age(ago);
   const bool beyond_caches = e.particles.size() > 8000;
   for (std::size_t from = g.from; from < g.to; from += block) {
     const std::size_t count = std::min(block, g.to - from);
     gather<damped>(e, domain, from, count, beyond_caches, b);
     for (std::size_t k = 0; k < count; k += W)
-      if (const auto bits = run_pack<damped>(e, from + k, k, age, b, power))
+      if (const auto bits = run_pack<damped>(e, from + k, k, age, b, power, virial))
         for (std::size_t lane = 0; lane < W; ++lane)
           if (bits >> lane & 1 && from + k + lane < g.to)
             done.over.push_back(static_cast<std::uint32_t>(from + k + lane));
@@ -39,6 +40,7 @@ inline void BondStage<Model, Domain, Arch>::run_group(Engine& e, const Domain& d
     silt::store(each, power);
     for (const double one : each) done.power += one;
   }
+  if constexpr (deforms<Domain>) done.virial = virial.sum();
 }
 
 template <class Model, class Domain, class Arch>
@@ -78,12 +80,14 @@ SILT_INLINE auto BondStage<Model, Domain, Arch>::ends_of(const State& particles,
   Real c[4];
   turned_rows([&](auto l) { return Row::load(&position[a[l]].x) - Row::load(&position[b[l]].x); },
               c);
-  p.ends.apart = {c[0], c[1], c[2]};
-  if constexpr (Domain::periodic) p.ends.apart = domain.shortest(p.ends.apart);
+  const Vec3<Real> whole{c[0], c[1], c[2]};
+  p.ends.apart = whole;
+  if constexpr (Domain::periodic) p.ends.apart = domain.shortest(whole);
   if constexpr (damped) {
     turned_rows([&](auto l) { return Row::load(&motion[a[l]].vx) - Row::load(&motion[b[l]].vx); },
                 c);
     p.ends.velocity = {c[0], c[1], c[2]};
+    if constexpr (deforms<Domain>) p.ends.velocity -= domain.carried(whole - p.ends.apart);
   }
   turned_rows([&](auto l) { return Row::load(&motion[a[l]].wx); }, c);
   p.ends.spin_i = Vec3<Real>{c[0], c[1], c[2]} * c[3], p.inv_r_i = c[3];
@@ -122,7 +126,7 @@ template <class Model, class Domain, class Arch>
 template <bool damped, class Engine>
 __attribute__((flatten)) std::uint64_t BondStage<Model, Domain, Arch>::run_pack(
     const Engine&, std::size_t of_list, std::size_t k, const Real& ago, Block& b,
-    [[maybe_unused]] Real& power) const {
+    [[maybe_unused]] Real& power, [[maybe_unused]] Virial& virial) const {
   const auto p = members_of<Pack<Real>, Real>([&](auto c) {
     if constexpr (damped || !of_rates(c)) return silt::load<Real>(b.ends[c] + k);
     return Real(0);
@@ -138,6 +142,7 @@ __attribute__((flatten)) std::uint64_t BondStage<Model, Domain, Arch>::run_pack(
   put(l.force, out), put(l.torque_i * p.inv_r_i, out + 4), put(l.torque_j * p.inv_r_j, out + 8);
   if constexpr (damped && keeps_ledger<typename Engine::Contacts>)
     power += dot(a.rate_force, s.shift_rate) + dot(a.rate_couple, s.turn_rate);
+  if constexpr (deforms<Domain>) virial.add(l.force, p.ends.apart);
   if constexpr (requires { model.holds_always(); })
     if (model.holds_always()) return 0;
   if constexpr (requires { model.holds(a, s.normal, numbers); })

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 
 #include <silt/core/dyn_array.hpp>
@@ -54,6 +55,24 @@ auto BondStage<Model, Domain, Arch>::fastest(const Engine& e) -> Rate {
     }
   }
   return most;
+}
+
+template <class Model, class Domain, class Arch>
+double BondStage<Model, Domain, Arch>::stiffness() {
+  if (counted_made_ == made && counted_ == list.size()) return stiffness_;
+  const auto of = [&](std::size_t k) {
+    const Bond b = list.bond(k);
+    return model.stiffest(b.numbers).shift * dot(b.rest.apart, b.rest.apart);
+  };
+  double most = 0;
+  list.for_each([&](std::size_t k) { most = std::max(most, of(k)); });
+  // A sum of whole numbers has no order; 2^30 of up to 2^32 each do not overflow.
+  const double unit = std::ldexp(most, -32);
+  std::uint64_t sum = 0;
+  if (unit > 0)
+    list.for_each([&](std::size_t k) { sum += static_cast<std::uint64_t>(of(k) / unit); });
+  counted_made_ = made, counted_ = list.size();
+  return stiffness_ = static_cast<double>(sum) * unit;
 }
 
 }  // namespace silt::detail

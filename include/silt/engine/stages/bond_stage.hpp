@@ -10,11 +10,14 @@
 #include <utility>
 
 #include <silt/bond/concept.hpp>
+#include <silt/boundary/deforming_box.hpp>
 #include <silt/core/dyn_array.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/core/row4.hpp>
 #include <silt/core/threads.hpp>
+#include <silt/core/upper3.hpp>
 #include <silt/engine/contact/contact_energy.hpp>
+#include <silt/engine/contact/virial.hpp>
 #include <silt/engine/lists/bond_list.hpp>
 #include <silt/engine/stages/ask_bond_on_lanes.hpp>
 #include <silt/engine/stages/turn_spheres.hpp>
@@ -71,6 +74,7 @@ class BondStage {
     if constexpr (Engine::of_ranks) fresh = false;
     follow(e);
     double power = 0;
+    if constexpr (deforms<Domain>) e.of_bonds = {{}, stiffness()};
     if (list.size() > 0) {
       const auto& groups = list.groups();
       DynArray<Done> done(groups.count());
@@ -89,6 +93,7 @@ class BondStage {
       }
       for (const Done& one : done) {
         power += one.power;
+        if constexpr (deforms<Domain>) e.of_bonds.virial = e.of_bonds.virial + one.virial;
         for (const std::uint32_t k : one.over)
           if (tells(e, k)) overloaded_.push_back({seen(e, domain, k, dt), k});
       }
@@ -288,17 +293,23 @@ class BondStage {
   struct Done {
     DynArray<std::uint32_t> over;  // places of overloaded bonds
     double power = 0;              // [W] of dashpots
+    [[no_unique_address]] std::conditional_t<deforms<Domain>, Upper3, NoVirial> virial;  // [J]
   };
+  using Virial = std::conditional_t<deforms<Domain>, VirialLanes<Real>, NoVirial>;
+  /// [J] sum of stiffness times length^2 over all bonds, the same in any order of them.
+  double stiffness();
 
   template <class Engine>
   BondedEnds<double> ends_at(const Engine& e, const Domain& domain, std::size_t k) const {
     const std::uint32_t a = list.first()[k], b = list.second()[k];
     const auto &p = e.particles.position[a], &q = e.particles.position[b];
     const auto &m = e.particles.motion[a], &n = e.particles.motion[b];
-    Vec3d d = p.centre() - q.centre();
-    if constexpr (Domain::periodic) d = domain.shortest(d);
+    const Vec3d whole = p.centre() - q.centre();
+    Vec3d d = whole, velocity = m.velocity() - n.velocity();
+    if constexpr (Domain::periodic) d = domain.shortest(whole);
+    if constexpr (deforms<Domain>) velocity -= domain.carried(whole - d);
     return {d,
-            m.velocity() - n.velocity(),
+            velocity,
             e.particles.orientation[a],
             e.particles.orientation[b],
             m.inv_r * m.spin_velocity(),
@@ -357,11 +368,15 @@ class BondStage {
   /// Returns which of its bonds are overloaded.
   template <bool damped, class Engine>
   __attribute__((flatten)) std::uint64_t run_pack(const Engine&, std::size_t of_list, std::size_t k,
-                                                  const Real& ago, Block& b, Real& power) const;
+                                                  const Real& ago, Block& b, Real& power,
+                                                  Virial& virial) const;
   /// Adds the loads in strides, because neighbours in the list share particles
   /// (PairPipeline::add_up).
   template <class Engine>
   void add_up(Engine& e, std::size_t from, std::size_t count, const double* loads);
+  double stiffness_ = 0;
+  std::uint64_t counted_made_ = 0;  // when stiffness_ was summed: bonds made, and present
+  std::size_t counted_ = 0;
   DynArray<Ending> overloaded_;
   DynArray<BondSeen> ended_;  // since take_broken() was called last
 };

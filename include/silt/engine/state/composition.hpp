@@ -118,8 +118,6 @@ struct Composition {
   static_assert(!has_bonds || (rotates && !of_bodies),
                 "Bonds join spheres that rotate: take Particles<Sphere> and a contact law with "
                 "friction");
-  static_assert(!deforms<Domain> || !has_bonds,
-                "Bonds do not follow the flow of a DeformingBox; take PeriodicBox");
   static_assert(!has_bonds || Integrator::derivatives == 0,
                 "Bonds turn particles by the velocities of half steps; take Leapfrog");
   static_assert(
