@@ -427,6 +427,22 @@ class Drawn(Refuses, unittest.TestCase):
             self.refused(words, "draw", name, "--names", "bottom,top", "--colour", *more, "-o", self.out)
         self.refused("there is no --colour", "draw", name, "--names", "bottom,top", "-o", self.out)
 
+    def test_ends_of_the_signed_map_and_of_forces(self):
+        """Catches a signed map whose middle is not 0, and a range of forces without effect."""
+        signed = style.ColourScale(np.array([-1.5, 0.25, 4.5]), "charge [nC]", None, None, style.COLOUR_MAPS["signed"])
+        self.assertEqual((signed.norm.vmin, signed.norm.vmax), (-4.5, 4.5))
+        widths = {}
+        for more, ends in (((), None), (("--range", "0.001,0.004"), (0.001, 0.004))):
+            figure, _ = figure_of(path("grains", "contacts.pvd"), *more)
+            low, high = figure.axes[-1].get_xlim()
+            if ends:
+                self.assertEqual((round(low, 6), round(high, 6)), ends)
+            else:
+                self.assertEqual(low, 0)
+            lines = figure.axes[0].collections[0]
+            widths[more] = np.array(lines.get_linewidths())
+        self.assertFalse(np.allclose(widths[()], widths[more]))
+
     def test_one_outlier_does_not_take_the_colours(self):
         """Catches a colour bar that a single value stretches, and one that clips what is usual."""
         values = np.r_[np.linspace(0.1, 1.1, 999), 50.0]

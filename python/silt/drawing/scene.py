@@ -381,7 +381,7 @@ class Scene:
         scale("flow", extent.flows, words, flow_limits, COLOUR_MAPS["cividis"] if label else colour_map)
         words = next((layers.load_label for layers in panels if layers.load_label), "")
         scale("bonds", extent.loads, words, None if beds else limits, COLOUR_MAPS["magma"] if beds else colour_map)
-        forces = Normalize(0, extent.strong or 1)
+        forces = Normalize(*(limits if limits and not beds else (0, extent.strong or 1)))
 
         bounds = camera.bounds
         bars = [s for s in scales.values() if s.label] + ([None] if extent.strong > 0 else [])
@@ -397,7 +397,7 @@ class Scene:
             panel = figure.add_axes([*corner / pixels, *np.array(canvas.size()) / pixels])
             panel.imshow(canvas.picture(), interpolation="none", aspect="auto", extent=bounds)
             if len(layers.contacts):
-                share = np.minimum(layers.forces / forces.vmax, 1)
+                share = np.clip(forces(layers.forces), 0, 1)
                 panel.add_collection(LineCollection(camera.flat(layers.contacts), linewidths=0.15 + 2.6 * share,
                                                     colors=CHAINS(share), capstyle="round"))
             panel.set(xlim=bounds[:2], ylim=bounds[2:])
@@ -409,7 +409,7 @@ class Scene:
         for k, bar in enumerate(bars):
             place = sheet.bar(k, len(bars), bar is not None and bar.kinds is not None)
             if bar is None:
-                add_bar(figure, forces, CHAINS, "normal force [N]", place, "max")
+                add_bar(figure, forces, CHAINS, "normal force [N]", place, "both" if forces.vmin > 0 else "max")
             else:
                 bar.add_to(figure, place)
         return figure

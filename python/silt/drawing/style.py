@@ -138,6 +138,8 @@ class ColourScale:
         if names is not None and len(values) > 0:
             self._check_names(names, finite, limits)
         low, high = limits or usual(finite)
+        if limits is None and colour_map is COLOUR_MAPS["signed"]:  # 0 is its pale middle
+            low, high = -max(abs(low), abs(high)), max(abs(low), abs(high))
         self.norm = Normalize(low, high if high > low else low + (abs(low) or 1))
         below, above = bool((finite < low).any()), bool((finite > high).any())
         self.extend = {(0, 0): "neither", (1, 0): "min", (0, 1): "max",
