@@ -229,6 +229,9 @@ TEST_CASE("particle_formats: a bad data file is refused with line and reason") {
   };
   bad("# sphere", "# hybrid",
       "line 13: the atoms are of style 'hybrid'; silt reads atom_style sphere");
+  // Columns in the order of another style: taken for a sphere at y = 2500 m.
+  bad("Atoms # sphere\n\n7 3 0.5 2500 1 2 3", "Atoms\n\n7 3 1 2 0.5 2500 3",
+      "line 15: the atom at (0.5, 2500, 3) lies far outside of the header's box");
   bad("0.5 2500", "0.0 2500", "line 15: diameter: '0.0' must be greater than 0");
   bad("0.5 2500", "0.5 -1", "line 15: density: '-1' must be greater than 0");
   bad("7 3 0.5", "7 A 0.5", "line 15: type: 'A' is not a whole number from 0");

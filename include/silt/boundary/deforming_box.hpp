@@ -97,11 +97,11 @@ class DeformingBox {
       if (!d.stress) continue;
       require(std::isfinite(*d.stress), "Deformation.", names[k], ".stress = ", *d.stress,
               " [Pa] must be finite");
+      require(d.rate == 0, "Deformation.", names[k],
+              " has both a rate and a stress; set only one, the other follows from it");
       require(std::isfinite(d.most_rate) && d.most_rate > 0, "Deformation.", names[k],
               ".most_rate = ", d.most_rate,
               " [1/s] must be finite and greater than 0 with a prescribed stress");
-      require(d.rate == 0, "Deformation.", names[k],
-              " has both a rate and a stress; set only one, the other follows from it");
     }
     drives_ = how;
   }

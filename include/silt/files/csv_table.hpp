@@ -54,7 +54,8 @@ class CsvTable {
 
   void add_row(std::span<const double> row) {
     require(row.size() == columns_, "CsvTable '", file_.name(), "': a row of ", row.size(),
-            " numbers, but the table has ", columns_, " columns");
+            row.size() == 1 ? " number, but the table has " : " numbers, but the table has ",
+            columns_, columns_ == 1 ? " column" : " columns");
     line_.clear();
     for (const double number : row) {
       if (!line_.empty()) line_ += ',';

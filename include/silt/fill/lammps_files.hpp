@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -222,6 +223,10 @@ class LammpsData {
     for (; more && !begins_section(); more = lines_.next())
       if (auto words = lines_.line(); words.ends_with(" atoms") || words.ends_with("\tatoms"))
         atoms_ = lines_.count("number of atoms");
+      else
+        for (std::size_t d = 0; d < 3; ++d)
+          if (words.ends_with(std::array{"xlo xhi", "ylo yhi", "zlo zhi"}[d]))
+            box_[d][0] = lines_.real("low"), box_[d][1] = lines_.real("high");
     while (more) {
       if (lines_.line() == "Atoms")
         more = read_atoms();
@@ -248,7 +253,8 @@ class LammpsData {
   }
 
   bool read_atoms() {
-    if (const auto style = lines_.remark(); !style.empty() && style != "sphere")
+    const std::string style(lines_.remark());
+    if (!style.empty() && style != "sphere")
       lines_.fail("the atoms are of style ", in_quotes(style),
                   "; silt reads atom_style sphere (id type diameter density x y z)");
     while (lines_.next()) {
@@ -259,12 +265,24 @@ class LammpsData {
       table_.density.push_back(positive(lines_, "density"));
       const double x = lines_.real("x"), y = lines_.real("y"), z = lines_.real("z");
       table_.position.push_back({x, y, z});
+      if (style.empty()) require_in_box({x, y, z});
       if (!lines_.words().empty())
         for (int k = 0; k < 3; ++k) lines_.real("an image flag");
       end_of_line();
       is_double_ |= !place_.emplace(id, table_.size() - 1).second;
     }
     return check_atoms(false);
+  }
+  /// Columns of another style, whose file does not name it, are taken for diameters and places.
+  void require_in_box(const Vec3d& place) const {
+    const double x[3] = {place.x, place.y, place.z};
+    for (std::size_t d = 0; d < 3; ++d) {
+      const auto [low, high] = box_[d];
+      if (x[d] < low - (high - low) || x[d] > high + (high - low))
+        lines_.fail("the atom at ", place, " lies far outside of the header's box: if the columns ",
+                    "are not id type diameter density x y z, write the file as atom_style sphere; "
+                    "if they are, write 'Atoms # sphere'");
+    }
   }
   bool check_atoms(bool more) const {
     if (table_.size() != atoms_)
@@ -298,6 +316,8 @@ class LammpsData {
   std::uint64_t atoms_ = 0;
   std::unordered_map<std::uint64_t, std::size_t> place_;  // of ids
   bool is_double_ = false;
+  std::array<std::array<double, 2>, 3> box_{{{-none_, none_}, {-none_, none_}, {-none_, none_}}};  // [m]
+  static constexpr double none_ = std::numeric_limits<double>::infinity();
   ParticleTable table_;
 };
 
