@@ -264,6 +264,25 @@ TEST_CASE("SPH: liquid that has left the region, or of few particles, is warned 
   silt_test::has(said[0], "40 of 40 particles (100 %) have left SphSetup.region");
 }
 
+TEST_CASE("SPH: warnings of a narrow kernel in 2D, and of a viscosity that needs tiny steps") {
+  SphSetup flat{.spacing = 0.005, .region = {{0, 0, 0}, {0.2, 0, 0.2}}, .dimensions = 2};
+  const auto said = [&flat](auto sph) {
+    sph.fill([](const Vec3d&) { return true; });
+    return sph.warnings();
+  };
+  CHECK(said(Sph{water, flat}).empty());
+  flat.smoothing = 0.9;
+  const auto narrow = said(Sph{water, flat});
+  REQUIRE(narrow.size() == 1);
+  silt_test::has(narrow[0], "SphSetup.smoothing = 0.9 leaves too few neighbours in 2D");
+  flat.smoothing = 1.2;
+  // h = 8.5 mm: h^2/(8 nu) = 9e-7 s, sound 0.6 h/c.
+  const auto thick = said(Sph{water, flat, LaminarViscosity{.kinematic = 10}});
+  REQUIRE(thick.size() == 1);
+  silt_test::has(thick[0], "times shorter than sound does");
+  CHECK(said(Sph{water, flat, LaminarViscosity{.kinematic = 1e-3}}).empty());
+}
+
 TEST_CASE("SPH: two walls of one name are refused") {
   Sph sph{water, setup};
   sph.add_wall(Plane{{0, 0, 0}, {0, 0, 1}}, {.name = "floor"});

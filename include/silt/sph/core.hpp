@@ -365,11 +365,16 @@ struct SphCore {
     double dt = courant * h / (liquid.sound_speed + most.pair);
     if (most.acceleration > 0)
       dt = std::min(dt, std::min(courant, most_of_fall) * std::sqrt(h / most.acceleration));
+    return std::min(dt, viscous_step());
+  }
+  /// [s] longest step that the viscosity allows.
+  double viscous_step() const {
     if constexpr (sph_varies<Viscosity>)
-      dt = std::min(dt, viscosity.longest_step(h, liquid.sound_speed, liquid.density));
-    else if constexpr (requires { viscosity.longest_step(h, liquid.sound_speed); })
-      dt = std::min(dt, viscosity.longest_step(h, liquid.sound_speed));
-    return dt;
+      return viscosity.longest_step(setup.h(), liquid.sound_speed, liquid.density);
+    else if constexpr (requires { viscosity.longest_step(setup.h(), liquid.sound_speed); })
+      return viscosity.longest_step(setup.h(), liquid.sound_speed);
+    else
+      return INFINITY;
   }
 
   void renew(const Team& team) { sph_renew(*this, team), move_walls(), place_solids(true, team); }

@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <cmath>
 #include <string>
 
 #include <silt/core/box.hpp>
@@ -88,6 +89,16 @@ template <class Core>
     out.push_back(sentence("the liquid: it has ", core.next_number, " particles at a spacing of ",
                            core.setup.spacing, " m, and its flow is not resolved; a drop needs ",
                            few, ", four across: use a smaller SphSetup.spacing"));
+  if (core.setup.dimensions == 2 && core.setup.smoothing_used() < 1.1)
+    out.push_back(sentence("the liquid: SphSetup.smoothing = ", core.setup.smoothing,
+                           " leaves too few neighbours in 2D; take 1.1 or more, or leave it out"));
+  const double sound = core.setup.courant * core.setup.h() / core.liquid.sound_speed;
+  if (const double viscous = core.viscous_step(); viscous < 0.1 * sound)
+    out.push_back(sentence("the liquid: its viscosity allows steps of ", viscous, " s, ",
+                           std::round(sound / viscous), " times shorter than sound does, ",
+                           std::round(1 / viscous),
+                           " for each second; lower the largest "
+                           "viscosity, or take a larger SphSetup.spacing"));
   return out;
 }
 /// Whether a point is outside the region.
