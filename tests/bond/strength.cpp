@@ -91,6 +91,8 @@ TEST_CASE("parallel bond: what cannot be is refused") {
   refused({.youngs_modulus = 1, .damping = -1}, "ParallelBond.damping = -1 [-]");
   refused({.youngs_modulus = 1, .shear_strength = -1}, "ParallelBond.shear_strength = -1 [Pa]");
   refused({.youngs_modulus = 1, .weibull_modulus = -1}, "ParallelBond.weibull_modulus = -1 [-]");
+  refused({.youngs_modulus = 1, .weibull_modulus = 0.01},
+          "weibull_modulus = 0.01 [-] must be 0, for no scatter, or at least 0.5");
 }
 
 }  // namespace bond_strength_test

@@ -53,7 +53,7 @@ struct ContactBond {
     require(shear_strength > 0, "ContactBond.shear_strength = ", shear_strength,
             " [N] must be greater than 0");
     require_not_negative("ContactBond.damping", damping, "-");
-    require_not_negative("ContactBond.weibull_modulus", weibull_modulus, "-");
+    check_weibull_modulus("ContactBond", weibull_modulus);
   }
   Numbers<double> numbers(const BondedPair& p) const {
     return {1, std::sqrt(p.m_eff), 1 / weibull_factor(p.share, weibull_modulus)};

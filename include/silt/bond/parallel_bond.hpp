@@ -71,7 +71,7 @@ struct ParallelBond {
     require(friction_angle >= 0 && friction_angle < std::numbers::pi / 2,
             "ParallelBond.friction_angle = ", friction_angle, " [rad] must be in [0, pi/2)");
     require_not_negative("ParallelBond.damping", damping, "-");
-    require_not_negative("ParallelBond.weibull_modulus", weibull_modulus, "-");
+    check_weibull_modulus("ParallelBond", weibull_modulus);
   }
   Numbers<double> numbers(const BondedPair& p) const {
     const double R = radius_ratio * std::min(p.radius_i, p.radius_j);
