@@ -61,7 +61,7 @@ int load_walls(double wall_friction, const example::Options& options) {
   const double held = -sim.wall("mantle").force.z / weight;
   const double facets_off =
       silt::norm(rows[0].sum() - sim.wall("cone").force) / silt::norm(sim.wall("cone").force);
-  silt::write_facet_loads(out + "/cone_at_rest.vtp", sim, sim.wall_number("cone"));
+  silt::write_facet_loads(out + "/cone_at_rest.vtp", sim, "cone");
   silt::write_particles(out + "/silo_at_rest.vtp", sim);
 
   std::printf("emptying\n");

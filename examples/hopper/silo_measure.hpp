@@ -23,7 +23,7 @@ class Rings {
 
   template <class Sim>
   void add(const Sim& sim) {
-    const auto parts = silt::ring_loads(sim, sim.wall_number("mantle"), normal_.size());
+    const auto parts = silt::ring_loads(sim, "mantle", normal_.size());
     for (std::size_t k = 0; k < parts.size(); ++k)
       normal_[k] += parts[k].pressure(), shear_[k] -= parts[k].force.z / parts[k].area;
     for (std::size_t k = 0; k < sim.rows(); ++k) {
@@ -103,7 +103,7 @@ class Rows {
 
   template <class Sim>
   void add(const Sim& sim) {
-    const auto loads = silt::facet_loads(sim, sim.wall_number("cone"));
+    const auto loads = silt::facet_loads(sim, "cone");
     const std::size_t of_row = loads.size() / normal_.size();
     sum_ = {0, 0, 0};
     for (std::size_t t = 0; t < loads.size(); ++t) {

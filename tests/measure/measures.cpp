@@ -197,7 +197,7 @@ TEST_CASE("loads of parts of walls: rings of a silo and facets of its floor add 
   const silt::Vec3d a{-8e-3, -8e-3, 0}, b{8e-3, -8e-3, 0}, c{8e-3, 8e-3, 0}, d{-8e-3, 8e-3, 0};
   // It sinks by 1 mm/s, so that the mantle holds the grains.
   sim.add_wall(silt::TriangleMesh({{a, b, c}, {a, c, d}}), rubber,
-               silt::translation({0, 0, -1e-3}));
+               {.name = "floor", .motion = silt::translation({0, 0, -1e-3})});
   sim.run(0.4);
   const auto rings = silt::ring_loads(sim, 0, 12);
   const auto facets = silt::facet_loads(sim, 1);
@@ -224,14 +224,14 @@ TEST_CASE("loads of parts of walls: rings of a silo and facets of its floor add 
   CHECK(rings[1].pressure() > rings[2].pressure());  // it grows with depth
   CHECK(rings[11].contacts == 0);
   const std::string path = std::filesystem::temp_directory_path() / "silt_facets.vtp";
-  silt::write_facet_loads(path, sim, 1);
+  silt::write_facet_loads(path, sim, "floor");
   CHECK(std::filesystem::file_size(path) > 6 * 24);
   std::filesystem::remove(path);
 
   const auto no_mesh = refusal<silt::InputError>([&] { silt::facet_loads(sim, 0); });
   CHECK(has_words(no_mesh, {"facet_loads: surface 0 of wall 0", "not a triangle mesh"}));
   const auto no_ring = refusal<silt::InputError>([&] { silt::ring_loads(sim, 1, 3); });
-  CHECK(has_words(no_ring, {"ring_loads: surface 0 of wall 1", "not a Cylinder"}));
+  CHECK(has_words(no_ring, {"ring_loads: surface 0 of wall 1 'floor'", "not a Cylinder"}));
   const auto none = refusal<silt::InputError>([&] { silt::ring_loads(sim, 0, 0); });
   CHECK(has_words(none, {"rings = 0", "at least 1"}));
 }

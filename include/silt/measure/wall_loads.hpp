@@ -30,16 +30,18 @@ struct WallPart {
   void add(const ContactSeen& c) { force -= c.force, normal += c.normal_force, ++contacts; }
 };
 
-/// Load of each triangle of surface `surface`, a mesh, of wall `wall`, in the order of
-/// TriangleMesh::triangles(). A contact at an edge or vertex counts for the triangle with the
+/// Load of each triangle of surface `surface`, a mesh, of a wall, by number or name, in the order
+/// of TriangleMesh::triangles(). A contact at an edge or vertex counts for the triangle with the
 /// lowest number there. The sum is the force on the wall. Errors: InputError if the surface is not
 /// a mesh.
 template <class Sim>
-std::vector<WallPart> facet_loads(const Sim& sim, std::size_t wall, std::size_t surface = 0) {
+std::vector<WallPart> facet_loads(const Sim& sim, const WhichWall& which, std::size_t surface = 0) {
   detail::need_one_process<Sim>();
+  const std::size_t wall = sim.wall_number(which);
   const auto& surfaces = sim.wall(wall).surfaces;
   require(surface < surfaces.size() && detail::is_mesh(surfaces[surface]), "facet_loads: surface ",
-          surface, " of wall ", wall, " is not a triangle mesh; for a cylinder use ring_loads");
+          surface, " of ", sim.wall_name(wall),
+          " is not a triangle mesh; for a cylinder use ring_loads");
   const TriangleMesh& mesh = *std::get<std::shared_ptr<const TriangleMesh>>(surfaces[surface]);
   std::vector<WallPart> parts(mesh.triangles().size());
   for (std::size_t t = 0; t < parts.size(); ++t) {
@@ -57,10 +59,10 @@ std::vector<WallPart> facet_loads(const Sim& sim, std::size_t wall, std::size_t 
 /// and number of contacts, at the three corners of each. Triangles do not share corners in the
 /// file. `path` should end in .vtp.
 template <class Sim>
-void write_facet_loads(const std::string& path, const Sim& sim, std::size_t wall,
+void write_facet_loads(const std::string& path, const Sim& sim, const WhichWall& which,
                        std::size_t surface = 0) {
-  const auto parts = facet_loads(sim, wall, surface);
-  const Wall& w = sim.wall(wall);
+  const auto parts = facet_loads(sim, which, surface);
+  const Wall& w = sim.wall(which);
   const TriangleMesh& mesh = *std::get<std::shared_ptr<const TriangleMesh>>(w.surfaces[surface]);
   std::vector<Vec3d> points, force;
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -85,12 +87,13 @@ void write_facet_loads(const std::string& path, const Sim& sim, std::size_t wall
 /// For a moving wall in its own coordinates.
 /// Errors: InputError if the surface is not a Cylinder, or rings = 0.
 template <class Sim>
-std::vector<WallPart> ring_loads(const Sim& sim, std::size_t wall, std::size_t rings,
+std::vector<WallPart> ring_loads(const Sim& sim, const WhichWall& which, std::size_t rings,
                                  std::size_t surface = 0) {
   detail::need_one_process<Sim>();
+  const std::size_t wall = sim.wall_number(which);
   const Wall& w = sim.wall(wall);
   require(surface < w.surfaces.size() && std::holds_alternative<Cylinder>(w.surfaces[surface]),
-          "ring_loads: surface ", surface, " of wall ", wall,
+          "ring_loads: surface ", surface, " of ", sim.wall_name(wall),
           " is not a Cylinder; for a mesh use facet_loads");
   require(rings > 0, "ring_loads: rings = 0 [-] must be at least 1");
   const auto& cylinder = std::get<Cylinder>(w.surfaces[surface]);
