@@ -1,4 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
+#include <array>
 #include <cmath>
 
 #include <silt/shape/multi_sphere.hpp>
@@ -60,8 +61,10 @@ Impact flat_impact(int n, bool share) {
 
 TEST_CASE("n contacts of one depth make n^(1/4) of one, one that has just begun changes nothing") {
   const auto share = [](std::size_t k, std::vector<double> depths, double exponent) {
-    for (double& d : depths) d = Shares::strength(d, 1e-3, exponent);
-    return Shares::share(depths[k], depths, exponent);
+    std::vector<Shares::One> all;
+    for (const double d : depths) all.push_back({Shares::strength(d, 1e-3, exponent), {0, 0, 1}});
+    Shares::share(all, exponent);
+    return all[k].share;
   };
   const std::vector<double> same{1e-6, 1e-6, 1e-6}, begun{1e-6, 1e-8};
   CHECK(3 * share(0, same, 2.5) == near(std::pow(3, 0.25)).epsilon(1e-12));
@@ -70,30 +73,79 @@ TEST_CASE("n contacts of one depth make n^(1/4) of one, one that has just begun 
   CHECK(share(1, begun, 2.5) < 1e-14);
 }
 
-TEST_CASE("The shared force is the gradient of an energy") {
-  // U = D^(5/2), e = R^(1/5) d; the law's force (5/2) sqrt(R) d^(3/2).
-  const std::vector<double> depth{1.0, 0.9, 0.97, 0.3}, radius{1, 2, 1.5, 0.7};
-  const auto strengths = [&](const std::vector<double>& depths) {
-    std::vector<double> all;
-    for (std::size_t k = 0; k < depths.size(); ++k)
-      all.push_back(Shares::strength(depths[k], radius[k], 2.5));
-    return all;
+/// Whether the shared forces of four contacts are the gradient of this energy of their depths.
+template <class Energy>
+void check_gradient(const std::array<Vec3d, 4>& normals, const Energy& energy) {
+  // e = R^(1/5) d; the law's force (5/2) sqrt(R) d^(3/2).
+  using Four = std::array<double, 4>;
+  const Four depth{1.0, 0.9, 0.97, 0.8}, radius{1, 2, 1.5, 0.7};
+  const auto at = [&](const Four& depths) {
+    Four e10;
+    for (std::size_t k = 0; k < 4; ++k) e10[k] = std::pow(radius[k], 2) * std::pow(depths[k], 10);
+    return energy(e10);
   };
-  const auto energy = [&](const std::vector<double>& depths) {
-    double sum = 0;
-    for (std::size_t k = 0; k < depths.size(); ++k)
-      sum += std::pow(radius[k], 2) * std::pow(depths[k], 10);
-    return std::pow(sum, 0.25);
-  };
-  for (std::size_t k = 0; k < depth.size(); ++k) {
-    auto more = depth, less = depth;
+  std::vector<Shares::One> all;
+  for (std::size_t k = 0; k < 4; ++k)
+    all.push_back(
+        {Shares::strength(depth[k], radius[k], 2.5), normals[k], static_cast<std::uint32_t>(k)});
+  Shares::share(all, 2.5);
+  for (std::size_t k = 0; k < 4; ++k) {
+    Four more = depth, less = depth;
     more[k] += 1e-6, less[k] -= 1e-6;
-    const double gradient = (energy(more) - energy(less)) / 2e-6;
-    const auto all = strengths(depth);
-    const double force =
-        2.5 * std::sqrt(radius[k]) * std::pow(depth[k], 1.5) * Shares::share(all[k], all, 2.5);
-    CHECK(std::abs(gradient - force) < 1e-9);
+    const double force = 2.5 * std::sqrt(radius[k]) * std::pow(depth[k], 1.5) * all[k].share;
+    CHECK(std::abs((at(more) - at(less)) / 2e-6 - force) < 1e-9);
   }
+}
+const auto root = [](double e10) { return std::pow(e10, 0.25); };
+
+TEST_CASE("The shared force is the gradient of an energy: side by side, in a corner, between") {
+  const Vec3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+  check_gradient({y, y, y, y}, [](const auto& e) { return root(e[0] + e[1] + e[2] + e[3]); });
+  // Two on the floor and two at the wall: each pair shares, the pairs do not.
+  check_gradient({y, x, y, x}, [](const auto& e) { return root(e[0] + e[2]) + root(e[1] + e[3]); });
+  // All alone: three at right angles, one against the first.
+  check_gradient({y, x, -y, z},
+                 [](const auto& e) { return root(e[0]) + root(e[1]) + root(e[2]) + root(e[3]); });
+  // The strongest, contact 2 by its radius, shares with half of contact 1 (75.5 degrees: f(1/4) =
+  // 1/2).
+  const Vec3d leans{std::sqrt(15.0 / 16), 0.25, 0};
+  check_gradient({z, y, leans, -z}, [](const auto& e) {
+    return root(e[0]) + root(e[2] + 0.5 * e[1]) + 0.5 * root(e[1]) + root(e[3]);
+  });
+}
+
+TEST_CASE("A rod in the corner of a mesh does as in that of planes, and keeps its energy") {
+  // Two balls fall askew between three sides. Sharing over a right angle: a rebound of 0.6 of it.
+  const auto run = [](bool planes) {
+    auto elastic = smooth;
+    elastic.restitution = 1;
+    silt::Particles<MultiSphere> rods;
+    rods.add_form(MultiSphere{.balls = {{{-0.5e-3, 0, 0}, 0.5e-3}, {{0.5e-3, 0, 0}, 0.4e-3}}});
+    rods.add({.position = {1.7e-3, 1.2e-3, 1.4e-3},
+              .orientation = silt::rotation_about({0.6, 0, 0.8}, 0.7),
+              .density = 2500,
+              .velocity = {-0.3, -0.2, -0.4}});
+    silt::Simulation sim{std::move(rods), silt::Contacts<HertzMindlin>{elastic},
+                         silt::EnergyLedger{}};
+    const Vec3d top{20e-3, 20e-3, 20e-3};
+    if (planes)
+      sim.add_wall(silt::box({0, 0, 0}, top), elastic);
+    else
+      sim.add_wall(silt::box_mesh({0, 0, 0}, top), elastic);
+    sim.time_step = 2e-7;
+    double most = 0;  // [-] change of the energy
+    const double whole = 0.5 * sim.mass(0) * 0.29;
+    sim.run(10e-3, [&](const auto& now) {
+      const auto e = now.energy();
+      most = std::max(most, std::abs(e.held() / whole - 1));
+    });
+    CHECK(most < 2e-4);
+    return std::pair{sim.velocity(0), sim.angular_velocity(0)};
+  };
+  const auto [v, w] = run(true);
+  const auto [of_mesh, turning] = run(false);
+  CHECK(norm(v - of_mesh) < 1e-9);
+  CHECK(norm(w - turning) < 1e-5);
 }
 
 TEST_CASE("A plate is nearly as stiff and as damped with 4 as with 100 balls that touch") {

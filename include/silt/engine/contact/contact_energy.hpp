@@ -10,6 +10,7 @@
 
 #include <silt/contact/concept.hpp>
 #include <silt/core/lanes.hpp>
+#include <silt/core/vec3.hpp>
 #include <silt/engine/contact/contact_events.hpp>
 #include <silt/engine/contact/impacts.hpp>
 #include <silt/engine/contact/virial.hpp>
@@ -115,6 +116,22 @@ SILT_INLINE EnergyOf<ContactsType, Real> start_energy() {
     return no_energy<Real>();
   else
     return {};
+}
+
+/// Adds what the last forces of a contact did in the step in which it ended, if its stage does not
+/// see it any more, in the units of the sums [W] (ContactKernel::Books). kept(k): the values of
+/// WithLedger; `velocity` [m/s] of the first at the contact, relative to the second; `turning`
+/// [rad/s] the same.
+template <class ContactsType, class Kept>
+void add_last_work(const Kept& kept, const Vec3d& normal, const Vec3d& velocity,
+                   [[maybe_unused]] const Vec3d& turning, ContactEnergy<double>& energy) {
+  const auto at = [&](std::size_t k) { return Vec3d{kept(k), kept(k + 1), kept(k + 2)}; };
+  const double apart = dot(velocity, normal);
+  energy.dashpot += kept(0) * apart;
+  if constexpr (is_frictional<typename ContactsType::Law>)
+    energy.shear += dot(at(1), velocity - apart * normal);
+  if constexpr (ContactsType::has_rolling)
+    energy.couple += dot(at(ContactsType::kept_couple), turning);
 }
 
 /// Results of a contact stage besides the loads.

@@ -36,9 +36,20 @@ inline constexpr double energy_exponent = [] {
 /// hundred. A larger p would share more equally, but makes bodies that rock on several parts
 /// stiffer against tilting, which needs shorter steps. Shares of exactly 1/n have no potential;
 /// with them an elastic plate gained up to 12 % of its energy. The partner is another body, or one
-/// surface of a wall. Contacts at right angles, as between two hooked bodies, each apply 0.6 of
-/// their force alone. Shapes: shares by place in the inner list; 1 where a pair of bodies has one
-/// pair of parts.
+/// surface of a wall.
+///
+/// Contacts with a wall at right angles, as in the corner of a mesh, are no contact of several
+/// parts: each acts alone. Contact j takes part in the sharing of the deepest contact s by the
+/// weight v_j = f(n_s . n_j), f(x) = y^2 (3 - 2 y), y = 2 x between 0 and 1; that is 1 up to 60
+/// degrees, and 0 for another contact of the same part (a sphere in a valley is pressed by both
+/// sides). What is left of the others is shared in the same way by the deepest of them, and so on:
+///
+///   U = sum_s w_s (sum_j v_j e_j^p)^(a/p),   sum of the weights w_s v_j of a contact: 1        (3)
+///
+/// Between two bodies all contacts count as side by side, so that two hooked ones at right angles
+/// each apply 0.6 of their force alone: their normals rotate, and weights that follow them would do
+/// work (two colliding bodies gained or lost 8e-4 of their energy).
+/// Shapes: shares by place in the inner list; 1 where a pair of bodies has one pair of parts.
 /// Source: Kodam et al., Chem. Eng. Sci. 64 (2009) 3466, divide by the plain number of contacts;
 /// (1) is silt's own. Tests: tests/engine/shared_contacts.cpp.
 template <class Scalar>
@@ -77,10 +88,10 @@ class SharedContacts {
     shares_.assign(list.padded_size(), 1);
     constexpr std::size_t piece = 64;
     team.for_parts((groups_.size() + piece - 1) / piece, [&](std::size_t p) {
-      DynArray<double> strengths;
+      DynArray<One> all;
       DynArray<std::uint32_t> places;
       for (std::size_t g = p * piece; g < std::min(groups_.size(), (p + 1) * piece); ++g) {
-        strengths.clear(), places.clear();
+        all.clear(), places.clear();
         for (std::uint32_t e = groups_[g].from; e < groups_[g].to; ++e) {
           const std::uint32_t k = entries_[e].place;
           const PositionRow &a = particles.position[list.first()[k]],
@@ -89,12 +100,13 @@ class SharedContacts {
           if constexpr (Domain::periodic) d = domain.shortest(d);
           const double reach = a.r + b.r, distance2 = dot(d, d);
           if (!(distance2 < reach * reach)) continue;
-          strengths.push_back(strength(reach - std::sqrt(distance2), a.r * b.r / reach, exponent));
+          all.push_back(
+              {strength(reach - std::sqrt(distance2), a.r * b.r / reach, exponent), side_by_side});
           places.push_back(k);
         }
-        if (strengths.size() > 1)
-          for (std::size_t k = 0; k < places.size(); ++k)
-            shares_[places[k]] = static_cast<Scalar>(share(strengths[k], strengths, exponent));
+        share(all, exponent);
+        for (std::size_t k = 0; k < places.size() && places.size() > 1; ++k)
+          shares_[places[k]] = static_cast<Scalar>(all[k].share);
       }
     });
   }
@@ -103,28 +115,37 @@ class SharedContacts {
   /// The same for all contacts with walls.
   template <class EngineType>
   void share_walls(const EngineType& e, double exponent) {
-    wall_exponent_ = exponent;
-    found_.clear();
+    found_.clear(), at_walls_.clear();
     for_each_wall_contact(e, 0, [&](const WallCandidate& c, const SurfacePoint& point) {
       const double depth = e.particles.position[c.particle].r - point.distance;
       if (depth > 0)
-        found_.push_back({e.particles.part[c.particle].body, c.wall, c.surface,
-                          strength(depth, e.particles.position[c.particle].r, exponent)});
+        found_.push_back({e.particles.part[c.particle].body,
+                          c.wall,
+                          c.surface,
+                          {strength(depth, e.particles.position[c.particle].r, exponent),
+                           point.normal, c.particle}});
     });
     std::stable_sort(found_.begin(), found_.end(),
                      [](const Found& a, const Found& b) { return a.key() < b.key(); });
-    strengths_.clear();
-    for (const Found& f : found_) strengths_.push_back(f.strength);
+    for (const Found& f : found_) at_walls_.push_back(f.one);
+    for (std::size_t from = 0, to = 0; from < found_.size(); from = to) {
+      while (to < found_.size() && found_[to].key() == found_[from].key()) ++to;
+      share({at_walls_.data() + from, to - from}, exponent);
+    }
   }
-  /// The share of a contact of a part of `body`, with this radius and depth [m], at a surface.
-  double of_wall(std::uint32_t body, const WallCandidate& c, double radius, double depth) const {
-    const Found wanted{body, c.wall, c.surface, 0};
+  /// The share of a contact of part `c.particle` of `body` at a surface.
+  double of_wall(std::uint32_t body, const WallCandidate& c, const Vec3d& normal) const {
+    const Found wanted{body, c.wall, c.surface, {}};
     const auto [from, to] =
         std::equal_range(found_.begin(), found_.end(), wanted,
                          [](const Found& a, const Found& b) { return a.key() < b.key(); });
-    const std::span<const double> all(strengths_.data() + (from - found_.begin()),
-                                      static_cast<std::size_t>(to - from));
-    return all.size() < 2 ? 1 : share(strength(depth, radius, wall_exponent_), all, wall_exponent_);
+    double share = 1, nearest = -2;
+    for (auto at = from; at != to && to - from > 1; ++at) {
+      const One& one = at_walls_[static_cast<std::size_t>(at - found_.begin())];
+      const double cosine = dot(one.normal, normal);
+      if (one.part == c.particle && cosine > nearest) nearest = cosine, share = one.share;
+    }
+    return share;
   }
 
   /// e^5 of (1), without the factors common to all contacts: R* d^5 for the Hertz law.
@@ -133,18 +154,54 @@ class SharedContacts {
     if (exponent == 2.5) return R_eff * depth5;
     return exponent == 2 ? depth5 : depth5 * std::pow(R_eff, 5 * (exponent - 2) / exponent);
   }
-  /// The share (2) of a contact of this strength among all that touch (itself included);
-  /// `exponent`: a.
-  static double share(double strength, std::span<const double> all, double exponent) {
-    double squares = 0;
-    for (const double e : all) squares += e * e;
-    if (!(squares > 0)) return 1;                    // no contact, or all underflow
-    const double x = strength * strength / squares;  // (e_k/D)^p
-    if (exponent == 2.5) return std::sqrt(x) * std::sqrt(std::sqrt(x));
-    return std::pow(x, 1 - exponent / power);
+  /// One contact among those of a body with one partner.
+  struct One {
+    double strength = 0;
+    Vec3d normal{0, 0, 0};
+    std::uint32_t part = no_part;
+    double share = 1, left = 1;  // [-] of its force; the weight that no sharing has taken so far
+  };
+  static constexpr std::uint32_t no_part = ~std::uint32_t{0};
+  static constexpr Vec3d side_by_side{0, 0, 1};
+  /// Sets the shares of all contacts with one partner: (2), (3).
+  static void share(std::span<One> all, double exponent) {
+    if (all.size() < 2) return;
+    for (One& one : all) one.share = 0, one.left = 1;
+    for (std::size_t done = 0; done < all.size(); ++done) {
+      const One* first = nullptr;
+      for (const One& one : all)
+        if (one.left > 0 &&
+            (first == nullptr || one.left * one.strength > first->left * first->strength))
+          first = &one;
+      if (first == nullptr) return;
+      const double weight = first->left;
+      const auto part = [&](const One& one) {
+        if (&one == first) return 1.0;
+        if (one.part == first->part && one.part != no_part) return 0.0;
+        const double y = std::clamp(2 * dot(one.normal, first->normal), 0.0, 1.0);
+        return std::min(y * y * (3 - 2 * y), one.left / weight);
+      };
+      double squares = 0;
+      for (const One& one : all) squares += part(one) * one.strength * one.strength;
+      // In this order: part() needs what is left of the first.
+      for (One& one : all)
+        if (&one != first) take(one, weight, part(one), squares, exponent);
+      take(all[static_cast<std::size_t>(first - all.data())], weight, 1, squares, exponent);
+    }
   }
 
  private:
+  static double share_of(double square, double squares, double exponent) {
+    if (!(squares > 0)) return 1;       // no contact, or all underflow
+    const double x = square / squares;  // (e_k/D)^p
+    if (exponent == 2.5) return std::sqrt(x) * std::sqrt(std::sqrt(x));
+    return std::pow(x, 1 - exponent / power);
+  }
+  static void take(One& one, double weight, double part, double squares, double exponent) {
+    one.share += weight * part * share_of(one.strength * one.strength, squares, exponent);
+    one.left -= weight * part;
+    if (one.left < 1e-9) one.left = 0;
+  }
   /// Two ranks that both have a group add its strengths in the same order, by the ids of the parts.
   template <class List, class State>
   void set_order([[maybe_unused]] const List& list, [[maybe_unused]] const State& particles,
@@ -170,7 +227,7 @@ class SharedContacts {
   struct Found {
     std::uint32_t body;
     std::uint16_t wall, surface;
-    double strength;
+    One one;
     std::uint64_t key() const {
       return std::uint64_t{body} << 32 | std::uint32_t{wall} << 16 | surface;
     }
@@ -181,8 +238,7 @@ class SharedContacts {
   DynArray<Group> groups_;
   AlignedVector<Scalar> shares_;
   DynArray<Found> found_;
-  DynArray<double> strengths_;  // for found_
-  double wall_exponent_ = 2.5;
+  DynArray<One> at_walls_;  // of found_
 };
 
 }  // namespace silt::detail

@@ -33,8 +33,11 @@ struct ConvexWallBlock {
   static constexpr bool has_area = ContactsType::points > 1;
   AreaBlock<has_area ? room : 1> area;
   std::size_t count = 0;
-  double largest = 0;                                 // [-] overlap over inscribed radius
-  [[no_unique_address]] NotesOf<ContactsType> ended;  // ended contacts not in this block
+  double largest = 0;  // [-] overlap over inscribed radius
+  // Of ended contacts, which are not in this block.
+  [[no_unique_address]] NotesOf<ContactsType> ended;
+  [[no_unique_address]] EnergyOf<ContactsType, double> last_work =
+      start_energy<ContactsType, double>();
 };
 
 /// Contacts of super-ellipsoids of one kind with planes at rest.

@@ -112,6 +112,7 @@ class ConvexWalls {
                 AtOnePoint<double>{});
     tallies_[b] = running.end();
     if constexpr (keeps_events<ContactsType>) tallies_[b].notes.add(s.ended);
+    tallies_[b].energy.add(s.last_work);
     tallies_[b].largest = s.largest;
     for (std::size_t k = 0; k < s.count; ++k) {
       if (s.slot[k] == Scratch::no_slot) continue;
@@ -273,21 +274,31 @@ class ConvexWalls {
                   [[maybe_unused]] Scratch& s) {
     if (!contacts.slot(slot).touching) return;
     contacts.slot(slot).touching = false;
-    if constexpr (keeps_events<ContactsType>) {
-      NotedContact note;
+    if constexpr (keeps_events<ContactsType> || keeps_ledger<ContactsType>) {
       const Candidate& c = images[0];
-      note.first = c.particle, note.event.wall = c.wall;
-      note.event.normal = contacts.slot(slot).normal;
-      const PositionRow& p = in.positions[c.particle];
-      const Vec3d arm = -in.rows->pose[c.particle].least_radius * note.event.normal;
-      note.event.point = p.centre() + arm;
-      const Vec3d on_wall =
-          contacts.seen(nearest_image(note.event.point, images, wall, contacts), note.event.point);
-      end_watched<ContactsType>(
-          [&](std::size_t k) -> double& { return contacts.history(events + k)[slot]; },
+      const Vec3d normal = contacts.slot(slot).normal;
+      const Vec3d arm = -in.rows->pose[c.particle].least_radius * normal;
+      const Vec3d point = in.positions[c.particle].centre() + arm;
+      const Vec3d on_wall = contacts.seen(nearest_image(point, images, wall, contacts), point);
+      const Vec3d velocity =
           body_at_contact(in.motions[c.particle], *in.rows, c.particle).velocity_at(arm) -
-              velocity_at_contact(wall, on_wall, note.event.normal, in.times.step),
-          in.times, note, s.ended);
+          velocity_at_contact(wall, on_wall, normal, in.times.step);
+      if constexpr (keeps_ledger<ContactsType>)
+        for (std::size_t p = 0; p < ContactsType::points; ++p)
+          add_last_work<ContactsType>(
+              [&](std::size_t k) {
+                return contacts.history(ContactsType::history_of(p) + ContactsType::kept_from +
+                                        k)[slot];
+              },
+              normal, velocity, {0, 0, 0}, s.last_work);
+      if constexpr (keeps_events<ContactsType>) {
+        NotedContact note;
+        note.first = c.particle, note.event.wall = c.wall;
+        note.event.normal = normal, note.event.point = point;
+        end_watched<ContactsType>(
+            [&](std::size_t k) -> double& { return contacts.history(events + k)[slot]; }, velocity,
+            in.times, note, s.ended);
+      }
     }
     for (std::size_t h = 0; h < H; ++h) contacts.history(h)[slot] = 0;
   }

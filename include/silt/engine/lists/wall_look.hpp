@@ -17,6 +17,23 @@ Vec3d place_before(const EngineType& e, std::size_t k, double back) {
   return e.particles.position[k].centre() - back * e.particles.motion[k].velocity();
 }
 
+/// Finds the contacts of a sphere with one surface of a wall, or one image of it: `place` [m] of
+/// its centre as seen from there, `within` [m] of which the surface is; returns their number.
+template <class Surface, class Candidate, class Contacts>
+int touching_points(const Surface& surface, const Wall& wall, const Candidate& c,
+                    const Vec3d& place, double within, const Contacts& contacts,
+                    SurfacePoint* points) {
+  const Vec3d centre = in_wall(wall, place);
+  int count;
+  if constexpr (requires { surface.contacts(centre, within, contacts.facets(c), points); })
+    count = surface.contacts(centre, within, contacts.facets(c), points);
+  else
+    count = surface.contacts(centre, within, points);
+  for (int k = 0; k < count && wall.moves(); ++k)
+    points[k].normal = wall.pose.rotate(points[k].normal);
+  return count;
+}
+
 /// Calls visit(candidate, point) for every contact of a sphere with one surface of a wall, or one
 /// image of it, at the positions of `back` [s] ago.
 template <class EngineType, class Candidate, class Visit>
@@ -24,18 +41,11 @@ void for_each_contact_with(const EngineType& e, const Candidate& c, double back,
                            const Visit& visit) {
   const Wall& wall = e.walls[c.wall];
   const double r = e.particles.position[c.particle].r;
-  const Vec3d centre = in_wall(wall, e.lists.walls.seen(c, place_before(e, c.particle, back)));
+  const Vec3d place = e.lists.walls.seen(c, place_before(e, c.particle, back));
   visit_surface(wall.surfaces[c.surface], [&](const auto& surface) {
     SurfacePoint points[std::remove_cvref_t<decltype(surface)>::max_contacts];
-    int count;
-    if constexpr (requires { surface.contacts(centre, r, e.lists.walls.facets(c), points); })
-      count = surface.contacts(centre, r, e.lists.walls.facets(c), points);
-    else
-      count = surface.contacts(centre, r, points);
-    for (int k = 0; k < count; ++k) {
-      if (wall.moves()) points[k].normal = wall.pose.rotate(points[k].normal);
-      visit(c, points[k]);
-    }
+    const int count = touching_points(surface, wall, c, place, r, e.lists.walls, points);
+    for (int k = 0; k < count; ++k) visit(c, points[k]);
   });
 }
 

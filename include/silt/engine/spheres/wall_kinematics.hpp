@@ -49,6 +49,20 @@ SILT_INLINE Kinematics<Scalar> kinematics_at_wall(const SurfacePoint& point, con
   return kin;
 }
 
+/// Velocity [m/s] and angular velocity [rad/s] of a sphere at a wall, relative to its surface.
+struct RelativeToWall {
+  Vec3d velocity, turning{0, 0, 0};
+};
+template <bool Rotates>
+RelativeToWall relative_to_wall(const MotionRow<Rotates>& m, const Wall& wall, const Vec3d& on_wall,
+                                const Vec3d& normal, double step) {
+  RelativeToWall r{m.velocity() - velocity_at_contact(wall, on_wall, normal, step)};
+  if constexpr (Rotates)
+    r.velocity -= cross(m.spin_velocity(), normal),
+        r.turning = m.inv_r * m.spin_velocity() - spin_of_surface(wall, step);
+  return r;
+}
+
 /// Input of rolling models; `inertia` [-] over m r^2, `inverse_mass` [1/kg] of the sphere or, if it
 /// is fixed, of the contact.
 template <class Scalar, class Motion>

@@ -84,7 +84,10 @@ class WallPipeline {
     alignas(64) Scalar of_force[block];  // [-] share of its force (SharedContacts)
     std::size_t count;
     std::optional<CrowdedContact> crowded;
-    [[no_unique_address]] NotesOf<ContactsType> ended;  // ended contacts not in this block
+    // Of ended contacts, which are not in this block.
+    [[no_unique_address]] NotesOf<ContactsType> ended;
+    [[no_unique_address]] EnergyOf<ContactsType, double> last_work =
+        start_energy<ContactsType, double>();
     [[no_unique_address]] typename WallWear<Fluxes>::template Rubs<block> rubs;
   };
   using Stage = ContactStage<ContactsType, Arch, Scalar, Fluxes>;
@@ -127,6 +130,7 @@ class WallPipeline {
               AtOnePoint<Scalar>{in.sharing != nullptr ? s.of_force : nullptr});
     tallies_[b] = running.end();
     if constexpr (keeps_events<ContactsType>) tallies_[b].notes.add(s.ended);
+    tallies_[b].energy.add(s.last_work);
     write_rows<ContactsType, Arch>(s.kinematics, padded, rows);
     for (std::size_t k = 0; k < s.count; ++k) {
       const auto [slot, particle, wall, surface] = s.place[k];
@@ -253,17 +257,10 @@ class WallPipeline {
   static int touching_points(const S& surface, const Wall& wall, const Candidate& c,
                              const PositionRow& sphere, const Contacts& contacts,
                              SurfacePoint* points) {
-    const Vec3d centre = in_wall(wall, contacts.seen(c, sphere.centre()));
     double within = sphere.r;
     if constexpr (ActsAtDistance<typename ContactsType::Law>) within += contacts.range;
-    int count;
-    if constexpr (requires { surface.contacts(centre, within, contacts.facets(c), points); })
-      count = surface.contacts(centre, within, contacts.facets(c), points);
-    else
-      count = surface.contacts(centre, within, points);
-    if (wall.moves())
-      for (int p = 0; p < count; ++p) points[p].normal = wall.pose.rotate(points[p].normal);
-    return count;
+    return detail::touching_points(surface, wall, c, contacts.seen(c, sphere.centre()), within,
+                                   contacts, points);
   }
 
   /// The slot whose contact had nearly this normal a step ago, else a free one: history continues
@@ -300,24 +297,30 @@ class WallPipeline {
       contacts.history(ContactsType::offset_from)[slot] = 0;
     if (!contacts.slot(slot).touching) return;
     contacts.slot(slot).touching = false;
-    if constexpr (keeps_events<ContactsType>) {
-      NotedContact note;
+    if constexpr (keeps_events<ContactsType> || keeps_ledger<ContactsType>) {
       const Candidate& c = images[0];
-      note.first = c.particle, note.event.wall = c.wall;
-      note.event.normal = contacts.slot(slot).normal;
+      const Vec3d normal = contacts.slot(slot).normal;
       const PositionRow& p = in.positions[c.particle];
-      note.event.point = p.centre() - p.r * note.event.normal;
-      const ParticleMotion& m = in.motions[c.particle];
-      const Vec3d on_wall =
-          contacts.seen(nearest_image(note.event.point, images, wall, contacts), note.event.point);
-      Vec3d velocity =
-          m.velocity() - velocity_at_contact(wall, on_wall, note.event.normal, in.times.step);
-      if constexpr (rotates) velocity -= cross(m.spin_velocity(), note.event.normal);
-      end_watched<ContactsType>(
-          [&](std::size_t k) -> Scalar& {
-            return contacts.history(ContactsType::events_from + k)[slot];
-          },
-          velocity, in.times, note, s.ended);
+      const Vec3d point = p.centre() - p.r * normal;
+      const Vec3d on_wall = contacts.seen(nearest_image(point, images, wall, contacts), point);
+      const auto [velocity, turning] =
+          relative_to_wall(in.motions[c.particle], wall, on_wall, normal, in.times.step);
+      if constexpr (keeps_ledger<ContactsType>)
+        add_last_work<ContactsType>(
+            [&](std::size_t k) {
+              return static_cast<double>(contacts.history(ContactsType::kept_from + k)[slot]);
+            },
+            normal, velocity, turning, s.last_work);
+      if constexpr (keeps_events<ContactsType>) {
+        NotedContact note;
+        note.first = c.particle, note.event.wall = c.wall;
+        note.event.normal = normal, note.event.point = point;
+        end_watched<ContactsType>(
+            [&](std::size_t k) -> Scalar& {
+              return contacts.history(ContactsType::events_from + k)[slot];
+            },
+            velocity, in.times, note, s.ended);
+      }
     }
     for (std::size_t h = 0; h < ContactsType::history; ++h) contacts.history(h)[slot] = 0;
   }
@@ -369,8 +372,8 @@ class WallPipeline {
     s.kinematics.put(k, Radii<Scalar>{static_cast<Scalar>(sphere.r), Scalar(0)});
     if constexpr (shares_contacts<ContactsType>)
       if (in.sharing != nullptr)
-        s.of_force[k] = static_cast<Scalar>(
-            in.sharing->of_wall(in.parts[c.particle].body, c, sphere.r, sphere.r - point.distance));
+        s.of_force[k] =
+            static_cast<Scalar>(in.sharing->of_wall(in.parts[c.particle].body, c, point.normal));
     s.point[k] = contact;
     if constexpr (Repeats) s.on_wall[k] = on_wall, s.image[k] = image_of(c);
     put_contact(wall, c, slot, contacts, in, table, k, s);
