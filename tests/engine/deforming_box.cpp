@@ -248,6 +248,10 @@ TEST_CASE("deforming_box: what cannot be is refused in a sentence") {
   falls.gravity = {0, 0, -9.81};
   CHECK(says([&] { falls.run(0.1); }).find("DeformingBox: Simulation::gravity = ") == 0);
   sim.gravity = {0, 0, 0};
+  CHECK(says([&] {
+          sim.run(0.01, [](auto& s) { s.gravity = {0, 0, -9.81}; });
+        }).find("DeformingBox: Simulation::gravity = ") == 0);
+  sim.gravity = {0, 0, 0};
   sim.deform({.x = {.rate = -100}});  // to less than two diameters
   CHECK(says([&] {
           sim.guard.max_overlap = 100, sim.guard.max_rate = 100, sim.run(0.1);

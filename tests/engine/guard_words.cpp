@@ -263,6 +263,20 @@ TEST_CASE("guard: what an observer has made no number is said to be so, at the s
                   {"the place of particle 1 is (nan, 0, "}));
 }
 
+TEST_CASE("guard: limits that an observer sets are checked") {
+  // A comparison with NaN holds for no overlap: the guard would be off.
+  const auto says = [](auto change) {
+    auto sim = scene({{0, 0, 0}, {0.1, 0, 0}});
+    sim.time_step = 1e-5;
+    return refusal<silt::InputError>([&] { sim.run(1e-4, [&](auto& s) { change(s); }); });
+  };
+  CHECK(says([](auto& s) { s.guard.max_overlap = nan; }).find("Guard.max_overlap = nan") == 0);
+  CHECK(says([](auto& s) { s.guard.max_travel = 0; }).find("Guard.max_travel = 0 [-] must") == 0);
+  CHECK(says([](auto& s) {
+          s.guard.domain = silt::Box{{1, 1, 1}, {-1, -1, -1}};
+        }).find("guard.domain from (1, 1, 1) to (-1, -1, -1) [m] must have its min below") == 0);
+}
+
 TEST_CASE("time_step: without particles it is said that there are none") {
   auto sim = scene({});
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber);

@@ -94,7 +94,7 @@ TEST_CASE("compound: what is refused") {
   CHECK(says({.parts = {{ball}, {ball, {1, 0, 0}, {2, 0, 0, 0}}}}, "axes of part 1 have length 2"));
   silt::MassProperties mass = ball.mass_properties();
   mass.axes = {0, 0, 0, 0};
-  CHECK(says({.parts = {{ball}}, .mass = mass}, "axes of its mass have length 0"));
+  CHECK(says({.parts = {{ball}}, .mass = mass}, "the axes of its mass are a quaternion of length 0"));
   silt::Particles<silt::Mix<silt::Sphere, SuperEllipsoid>> mix;
   mix.add_form(silt::Sphere{});
   CHECK(refusal([&] {

@@ -54,8 +54,8 @@ TEST_CASE("Two spheres that overlap are counted once") {
   }
 }
 
-// Catches axes turned by 45 degrees by a rounding of 1e-16, which would lay the particles of a liquid
-// askew in a cube; and products that are none, dropped.
+// Catches axes turned by 45 degrees by a rounding of 1e-16, which would lay the particles of a
+// liquid askew in a cube; and products that are none, dropped.
 TEST_CASE("Of equal moments the axes stay those of the form, to rounding") {
   silt::Moments m{.volume = 1, .second = {.xx = 1, .yy = 1 + 3e-16, .zz = 2, .xy = 1e-16}};
   CHECK(silt::mass_properties(m).axes == silt::Quaternion{});
@@ -112,6 +112,25 @@ TEST_CASE("Principal axes of a known tensor") {
   CHECK(std::abs(product - 165) < 1e-11);
   // Multiples of one are left as they are.
   CHECK(silt::principal({2, 2, 2, 0, 0, 0}).axes == silt::Quaternion{});
+}
+
+TEST_CASE("A mass that no body has is refused") {
+  // Axes {1, 0, 1, 0}, not of length 1, gave a hundred times the energy of rotation.
+  const auto refused = [](const silt::MassProperties& mass, const char* words) {
+    const silt::MultiSphere form{.balls = {{{0, 0, 0}, 1e-3}, {{1e-3, 0, 0}, 1e-3}}, .mass = mass};
+    CHECK_THROWS_WITH_AS(form.check(), doctest::Contains(words), silt::InputError);
+  };
+  const silt::MassProperties good{6e-9, {0.5e-3, 0, 0}, {2e-15, 3e-15, 3e-15}, {}};
+  silt::MultiSphere{.balls = {{{0, 0, 0}, 1e-3}}, .mass = good}.check();
+  auto bad = good;
+  bad.axes = {1, 0, 1, 0}, refused(bad, "are a quaternion of length 1.41");
+  bad.axes = {NAN, 0, 0, 0}, refused(bad, "are a quaternion of length nan");
+  bad = good, bad.inertia = {1e-15, 1e-15, 1e-14};
+  refused(bad, "one is larger than the sum of the others");
+  bad = good, bad.volume = INFINITY, refused(bad, "the volume inf [m3]");
+  bad = good, bad.inertia.y = NAN, refused(bad, "the principal moments (2e-15, nan, 3e-15)");
+  bad = good, bad.centroid = {1, 0, 0}, refused(bad, "lies far outside of the balls");
+  bad = good, bad.centroid.z = NAN, refused(bad, "must be finite");
 }
 
 TEST_CASE("A multi-sphere is read from a file, and what is wrong with one is said") {

@@ -131,7 +131,10 @@ class Checkpoint<Sim>::Staged {
       if constexpr (Sim::Modules::wear) wall.worn = std::move(worn_[w]);
     }
     openings_.put(sim.openings_, accepted.inlets, accepted.outlets, clock_.time);
-    if constexpr (detail::deforms<typename Sim::Domain>) sim.domain_ = *box_;
+    if constexpr (detail::deforms<typename Sim::Domain>) {
+      sim.domain_ = *box_;
+      if constexpr (Sim::of_bodies) e.mover.flow = {box_->gradient(), box_->centre()};
+    }
     if constexpr (Sim::Modules::flux) e.fluxes().take_wall_books(from_walls_, e.walls.size());
     detail::with_wall_heat(sim.modules_.modules,
                            [this](auto& module) { module.walls = std::move(wall_heat_); });

@@ -58,10 +58,7 @@ struct Compound {
               " [m], must be finite");
       check_axes(p.axes, text("part ", k));
     }
-    if (mass) check_axes(mass->axes, "its mass");
-    require(!mass || (mass->volume > 0 && mass->inertia.x > 0 && mass->inertia.y > 0 &&
-                      mass->inertia.z > 0),
-            "Compound: the volume and the principal moments of its mass must be greater than 0");
+    if (mass) check_mass("Compound", *mass);
   }
 
   /// Description of the form for comparison (checkpoints): visit(name, number).

@@ -42,6 +42,23 @@ struct MassProperties {
   bool operator==(const MassProperties&) const = default;
 };
 
+/// InputError unless it may be the mass of a rigid body; `of`: the shape that it is given to.
+[[gnu::cold]] inline void check_mass(const char* of, const MassProperties& m) {
+  const Vec3d& i = m.inertia;
+  require(m.volume > 0 && std::isfinite(m.volume) && is_finite(i) && i.x > 0 && i.y > 0 && i.z > 0,
+          of, ": the volume ", m.volume, " [m3] and the principal moments ", i,
+          " [m5] of its mass must be finite and greater than 0");
+  const double sum = i.x + i.y + i.z, most = std::max({i.x, i.y, i.z});
+  require(2 * most <= sum * (1 + 1e-9), of, ": of the principal moments of its mass, ", i,
+          " [m5], one is larger than the sum of the others, which no body has");
+  require(is_finite(m.centroid), of, ": the centroid of its mass, ", m.centroid,
+          " [m], must be finite");
+  const Quaternion& q = m.axes;
+  const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+  require(std::abs(length - 1) < 1e-6, of, ": the axes of its mass are a quaternion of length ",
+          length, "; divide it by that, or write it as rotation_about(axis, angle)");
+}
+
 /// Without products of inertia that are rounding, between axes of equal moments: the axes of a cube
 /// or of a square prism are then those of its form, and not any others.
 inline Symmetric3 without_rounding(Symmetric3 t) {

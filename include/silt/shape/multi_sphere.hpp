@@ -46,9 +46,7 @@ struct MultiSphere {
   void check() const {
     require(!balls.empty(), "MultiSphere has no balls; give at least one");
     for (std::size_t k = 0; k < balls.size(); ++k) check(balls[k], k);
-    require(!mass || (mass->volume > 0 && mass->inertia.x > 0 && mass->inertia.y > 0 &&
-                      mass->inertia.z > 0),
-            "MultiSphere: the volume and the principal moments of its mass must be greater than 0");
+    if (mass) check_mass("MultiSphere", *mass), check_centroid();
   }
   /// Checks ball k.
   static void check(const Ball& ball, std::size_t k) {
@@ -64,6 +62,21 @@ struct MultiSphere {
     require(far <= most_radii_away * ball.radius, "MultiSphere: ball ", k, " of radius ",
             ball.radius, " m is at ", c, " m, where positions are rounded by ", 1.1e-16 * far,
             " m; move the origin of its frame closer to the body, or omit such a small ball");
+  }
+  /// Its centre of mass lies among the balls, or less than their extent beside them.
+  void check_centroid() const {
+    Vec3d low = balls[0].centre, high = low;
+    double radius = 0;
+    for (const Ball& b : balls) {
+      low = {std::min(low.x, b.centre.x), std::min(low.y, b.centre.y), std::min(low.z, b.centre.z)};
+      high = {std::max(high.x, b.centre.x), std::max(high.y, b.centre.y),
+              std::max(high.z, b.centre.z)};
+      radius = std::max(radius, b.radius);
+    }
+    const double extent = norm(high - low) + 2 * radius;
+    require(norm(mass->centroid - 0.5 * (low + high)) < extent, "MultiSphere: the centroid of its ",
+            "mass, ", mass->centroid, " [m], lies far outside of the balls, which are ", extent,
+            " m across; give it in their frame");
   }
   static constexpr double least_radius = 1e-50;    // [m]
   static constexpr double most_radii_away = 4e10;  // [-] rounding is 1e-5 of the radius there

@@ -33,10 +33,7 @@ void Simulation<Policies...>::prepare() {
 /// Checks the settings of a run and prepares fluid and threads.
 template <class... Policies>
 void Simulation<Policies...>::check_start() {
-  require_positive("Guard.max_overlap", guard.max_overlap, "-");
-  require_positive("Guard.max_time_step", guard.max_time_step, "-");
-  require_positive("Guard.max_travel", guard.max_travel, "-");
-  require_positive("Guard.max_rate", guard.max_rate, "-");
+  detail::check_limits(guard);
   // A mesh is solid from both sides: an overlap larger than the radius is not recognised as one.
   for (const Wall& wall : engine_.walls)
     for (const auto& surface : wall.surfaces) {
@@ -56,11 +53,7 @@ void Simulation<Policies...>::check_start() {
   if constexpr (detail::deforms<Domain>) {
     if constexpr (!has_bonds)
       detail::refuse_tension<typename ContactsType::Law>(domain_.deformation());
-    require(!engine_.particles.some_fixed,
-            "DeformingBox: a fixed particle cannot follow it; leave Particle.fixed out");
-    require(dot(gravity, gravity) == 0, "DeformingBox: Simulation::gravity = ", gravity,
-            " [m/s2] must be 0, as nothing holds the particles: what falls out returns on the "
-            "other side, faster each time");
+    detail::check_in_flow(engine_, gravity);
   }
   require(is_finite(gravity), "Simulation::gravity = ", gravity, " [m/s2] must be finite");
   book_gravity();
@@ -88,12 +81,7 @@ void Simulation<Policies...>::begin_run() {
     change_step(chosen_time_step());
   if (scene_changed_ && !continued_) checked_speed_ = 0;  // a restart goes on with that of its file
   scene_changed_ = laws_changed_ = false;
-  if (guard.domain) {
-    const auto& [min, max] = *guard.domain;
-    require(min.x < max.x && min.y < max.y && min.z < max.z, "guard.domain from ", min, " to ", max,
-            " [m] must have its min below its max in every direction");
-    detail::check_inside(engine_, *guard.domain, step_, time_);
-  }
+  if (guard.domain) detail::check_inside(engine_, *guard.domain, step_, time_);
 }
 
 }  // namespace silt

@@ -124,7 +124,8 @@ template <class O>
 [[noreturn, gnu::cold]] inline void throw_of_observer(const std::string& who, double time,
                                                       std::int64_t step) {
   const auto said = [&](const std::exception& e) {
-    std::string words = text(e.what(), "; thrown by ", who, " at t = ", time, " s, step ", step);
+    std::string words =
+        text(e.what(), "; thrown by ", who, " at t = ", sentence(time), " s, step ", step);
     if (is_agreed() && last_agreed() == e.what()) {  // on all ranks, with the same message
       if (last_agreed().find("; thrown by observer ") != std::string::npos) return last_agreed();
       last_agreed() = words;

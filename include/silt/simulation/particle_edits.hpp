@@ -89,9 +89,10 @@ class ParticleEdits {
     if constexpr (Sim::Domain::periodic)
       for (int d = 0; d < 3; ++d)
         if (sim().domain_.repeats(d) && sim().domain_.length(d) < 6 * radius)
-          throw InputError(text("Simulation::set_radius: the length ", sim().domain_.length(d),
-                                " [m] of PeriodicBox must be at least 3 diameters of particle ", id,
-                                " of radius ", radius, " m: ", detail::sentence(6 * radius), " m"));
+          throw InputError(text(
+              "Simulation::set_radius: the length ", sentence(sim().domain_.length(d)), " [m] of ",
+              Sim::Domain::policy_name, " must be at least 3 diameters of particle ", id,
+              " of radius ", radius, " m: ", sentence(6 * radius), " m"));
     const std::size_t k = place_of(id, "set_radius");
     if (is_elsewhere(k)) return;
     const double before = energy_of(k), smallest = sim().engine_.particles.smallest_radius;

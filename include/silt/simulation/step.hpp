@@ -49,6 +49,7 @@ void Simulation<Policies...>::run_steps(double duration, Observers&... observers
       const auto observe = [&] {
         detail::observe_all(*this, again, observers...);
         detail::check_given(engine_, gravity, step_, time_);
+        detail::check_limits(guard);
         modules_.check_given(engine_, step_, time_);
         book_gravity();
       };

@@ -105,7 +105,8 @@ void Simulation<Policies...>::check_new(std::span<const Particle> more, const Ch
     if constexpr (Domain::periodic)
       for (int d = 0; d < 3; ++d)
         if (domain_.repeats(d) && domain_.length(d) < 6 * p.radius)
-          throw InputError(text(Domain::policy_name, ": its length ", domain_.length(d),
+          throw InputError(text(Domain::policy_name, ": its length ",
+                                detail::sentence(domain_.length(d)),
                                 " [m] must be at least 3 diameters of particle ", k, " of radius ",
                                 p.radius, " m: ", detail::sentence(6 * p.radius), " m"));
     require(p.material < contacts_.materials() || !ContactsType::several_materials, "particle ", k,

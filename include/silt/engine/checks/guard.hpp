@@ -36,6 +36,18 @@ struct Guard {
 
 namespace detail {
 
+/// InputError if a limit is no limit.
+[[gnu::cold]] inline void check_limits(const Guard& guard) {
+  require_positive("Guard.max_overlap", guard.max_overlap, "-");
+  require_positive("Guard.max_time_step", guard.max_time_step, "-");
+  require_positive("Guard.max_travel", guard.max_travel, "-");
+  require_positive("Guard.max_rate", guard.max_rate, "-");
+  if (!guard.domain) return;
+  const auto& [min, max] = *guard.domain;
+  require(min.x < max.x && min.y < max.y && min.z < max.z, "guard.domain from ", min, " to ", max,
+          " [m] must have its min below its max in every direction");
+}
+
 /// Whether a shorter time step may cure the error: only if the limits that detect too long a step
 /// in time have been disabled.
 inline bool lets_long_steps_pass(const Guard& guard) {

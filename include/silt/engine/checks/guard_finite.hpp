@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include <silt/core/dyn_array.hpp>
@@ -47,6 +48,16 @@ template <class EngineType>
   });
 }
 
+/// InputError for what cannot be in a DeformingBox.
+template <class EngineType>
+void check_in_flow(const EngineType& e, const Vec3d& gravity) {
+  require(!e.particles.some_fixed,
+          "DeformingBox: a fixed particle cannot follow it; leave Particle.fixed out");
+  require(dot(gravity, gravity) == 0, "DeformingBox: Simulation::gravity = ", gravity,
+          " [m/s2] must be 0, as nothing holds the particles: what falls out returns on the "
+          "other side, faster each time");
+}
+
 /// Checks gravity and particles after changes by observers, or by the program between two runs.
 template <class EngineType>
 void check_given(const EngineType& e, const Vec3d& gravity, std::int64_t step, double time) {
@@ -58,6 +69,7 @@ void check_given(const EngineType& e, const Vec3d& gravity, std::int64_t step, d
         step, std::move(ids), at);
   };
   if (!is_finite(gravity)) stop(sentence("Simulation::gravity = ", gravity, " [m/s2]"), {}, {});
+  if constexpr (std::remove_cvref_t<decltype(e.lists)>::flows) check_in_flow(e, gravity);
   const auto look = [&](ParticleId id, const Vec3d& place, const Vec3d& velocity) {
     if (!is_finite(place))
       stop(sentence("the place of particle ", id, " is ", place, " m"), {id}, {});
