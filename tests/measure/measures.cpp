@@ -131,6 +131,11 @@ TEST_CASE("stress: of a periodic crystal that is pressed together, in closed for
   double force = 0;
   sim.for_each_contact([&](const silt::ContactSeen& c) { force = c.normal_force; });
   const auto s = silt::stress(sim, {{0, 0, 0}, {4 * a, 4 * a, 4 * a}});
+  // Of a region far beyond the box it would be averaged over nothing.
+  const auto beyond = refusal<silt::InputError>([&] {
+    silt::stress(sim, {{-1, -1, -1}, {1, 1, 1}});
+  });
+  CHECK(has_words(beyond, {"stress: the region", "reaches beyond the box that repeats"}));
   for (const double part : {s.contact.xx, s.contact.yy, s.contact.zz})
     CHECK(part == near(force / (a * a)).epsilon(1e-9));
   CHECK(std::abs(s.contact.xy) < 1e-9 * s.contact.xx);

@@ -49,6 +49,23 @@ void for_each_image([[maybe_unused]] const Domain& domain, const Visit& visit) {
     visit(Vec3d{0, 0, 0});
   }
 }
+/// InputError if a region reaches beyond a box that repeats, where it would have no particles.
+template <class Domain>
+void check_inside_period([[maybe_unused]] const Domain& domain,
+                         [[maybe_unused]] const Box& region) {
+  if constexpr (Domain::periodic) {
+    const Box all = domain.box();
+    const double low[3] = {all.min.x - region.min.x, all.min.y - region.min.y,
+                           all.min.z - region.min.z},
+                 high[3] = {region.max.x - all.max.x, region.max.y - all.max.y,
+                            region.max.z - all.max.z};
+    for (int d = 0; d < 3; ++d)
+      require(!domain.repeats(d) || std::max(low[d], high[d]) <= 0.01 * domain.length(d),
+              "stress: the region from ", region.min, " to ", region.max,
+              " [m] reaches beyond the box that repeats, from ", all.min, " to ", all.max,
+              " m; cut it there, or take sim.domain().box()");
+  }
+}
 template <class Domain>
 Vec3d in_domain([[maybe_unused]] const Domain& domain, const Vec3d& point) {
   if constexpr (Domain::periodic)
@@ -88,7 +105,7 @@ struct Stress {
 /// 12 (2010) 239, with a step in place of a smooth kernel; recalled). In a column at rest
 /// contact_zz is the weight above per area, averaged over the height of the region. On many ranks
 /// collective (RankAccess).
-/// Errors: InputError for a region without volume.
+/// Errors: InputError for a region without volume, or beyond a box that repeats.
 /// Tests:  tests/measure/measures.cpp (column, compressed box, colliding gas).
 template <class Sim>
 Stress stress(const Sim& sim, const Box& region) {
@@ -97,6 +114,7 @@ Stress stress(const Sim& sim, const Box& region) {
           region.max, " [m] must have a volume");
   Stress out;
   const auto& domain = sim.domain();
+  detail::check_inside_period(domain, region);
   sim.for_each_contact([&](const ContactSeen& c) {
     const Vec3d to = detail::in_domain(domain, sim.position(c.place_a)), from = to - c.branch;
     double share = 0;
