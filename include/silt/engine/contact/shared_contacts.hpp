@@ -88,10 +88,10 @@ class SharedContacts {
     shares_.assign(list.padded_size(), 1);
     constexpr std::size_t piece = 64;
     team.for_parts((groups_.size() + piece - 1) / piece, [&](std::size_t p) {
-      DynArray<One> all;
+      DynArray<double> strengths;
       DynArray<std::uint32_t> places;
       for (std::size_t g = p * piece; g < std::min(groups_.size(), (p + 1) * piece); ++g) {
-        all.clear(), places.clear();
+        strengths.clear(), places.clear();
         for (std::uint32_t e = groups_[g].from; e < groups_[g].to; ++e) {
           const std::uint32_t k = entries_[e].place;
           const PositionRow &a = particles.position[list.first()[k]],
@@ -100,13 +100,14 @@ class SharedContacts {
           if constexpr (Domain::periodic) d = domain.shortest(d);
           const double reach = a.r + b.r, distance2 = dot(d, d);
           if (!(distance2 < reach * reach)) continue;
-          all.push_back(
-              {strength(reach - std::sqrt(distance2), a.r * b.r / reach, exponent), side_by_side});
+          strengths.push_back(strength(reach - std::sqrt(distance2), a.r * b.r / reach, exponent));
           places.push_back(k);
         }
-        share(all, exponent);
+        double squares = 0;
+        for (const double e : strengths) squares += e * e;
         for (std::size_t k = 0; k < places.size() && places.size() > 1; ++k)
-          shares_[places[k]] = static_cast<Scalar>(all[k].share);
+          shares_[places[k]] =
+              static_cast<Scalar>(share_of(strengths[k] * strengths[k], squares, exponent));
       }
     });
   }
@@ -162,11 +163,23 @@ class SharedContacts {
     double share = 1, left = 1;  // [-] of its force; the weight that no sharing has taken so far
   };
   static constexpr std::uint32_t no_part = ~std::uint32_t{0};
-  static constexpr Vec3d side_by_side{0, 0, 1};
   /// Sets the shares of all contacts with one partner: (2), (3).
   static void share(std::span<One> all, double exponent) {
     if (all.size() < 2) return;
-    for (One& one : all) one.share = 0, one.left = 1;
+    const One* deepest = all.data();
+    for (One& one : all) {
+      one.share = 0, one.left = 1;
+      if (one.strength > deepest->strength) deepest = &one;
+    }
+    if (std::all_of(all.begin(), all.end(), [&](const One& one) {
+          return &one == deepest ||
+                 (one.part != deepest->part && 2 * dot(one.normal, deepest->normal) >= 1);
+        })) {
+      double squares = 0;
+      for (const One& one : all) squares += one.strength * one.strength;
+      for (One& one : all) one.share = share_of(one.strength * one.strength, squares, exponent);
+      return;
+    }
     for (std::size_t done = 0; done < all.size(); ++done) {
       const One* first = nullptr;
       for (const One& one : all)
