@@ -266,7 +266,7 @@ TEST_CASE("SPH: liquid that has left the region, or of few particles, is warned 
 
 TEST_CASE("SPH: warnings of a narrow kernel in 2D, and of a viscosity that needs tiny steps") {
   SphSetup flat{.spacing = 0.005, .region = {{0, 0, 0}, {0.2, 0, 0.2}}, .dimensions = 2};
-  const auto said = [&flat](auto sph) {
+  const auto said = [](auto sph) {
     sph.fill([](const Vec3d&) { return true; });
     return sph.warnings();
   };
